@@ -1,0 +1,289 @@
+"""The formal query: the contract between the grammar and everything that answers.
+
+Table 1 of the paper gives three forms (Q1 objects, Q2 objects in relation, Q3 places and times);
+a `FormalQuery` is the record that carries any of them, with what the paper's notation leaves out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from datetime import datetime
+from typing import Any, Literal, cast, get_args
+
+Json = dict[str, Any]
+Form = Literal["Q1", "Q2", "Q3"]
+Ask = Literal[
+    "whether", "where", "when", "what", "count", "how_long", "how_often", "moved", "missing"
+]
+Select = Literal["last", "first", "all", "usual"]
+RelationKind = Literal[
+    "together",
+    "near",
+    "on",
+    "under",
+    "in",
+    "behind",
+    "in_front_of",
+    "left_of",
+    "right_of",
+    "between",
+    "above",
+    "same_place",
+]
+FORMS: tuple[Form, ...] = get_args(Form)
+ASKS: tuple[Ask, ...] = get_args(Ask)
+SELECTS: tuple[Select, ...] = get_args(Select)
+RELATION_KINDS: tuple[RelationKind, ...] = get_args(RelationKind)
+ANYTHING = "object"
+"""The category of "thing", "anything" and "something": it matches every object."""
+VARIABLES = "xyzwvutsrqponm"
+
+
+class FormError(ValueError):
+    """A record that is not a formal query: says the field, what stood and what may stand there."""
+
+
+def _one_of(field: str, value: object, allowed: tuple[str, ...]) -> None:
+    if value not in allowed:
+        raise FormError(f"{field} is {value!r}; it must be one of {', '.join(allowed)}")
+
+
+@dataclass(frozen=True, slots=True)
+class Where:
+    """A relation that describes an object: the table *next to the door*."""
+
+    kind: RelationKind
+    object: ObjectTerm
+    negated: bool = False
+
+    def __post_init__(self) -> None:
+        _one_of("where.kind", self.kind, RELATION_KINDS)
+
+    def to_json(self) -> Json:
+        """Return the JSON record of formal-query, nested object and all."""
+        return {"kind": self.kind, "negated": self.negated, "object": self.object.to_json()}
+
+
+@dataclass(frozen=True, slots=True)
+class ObjectTerm:
+    """One object of the question: a noun with what must and must not hold of it.
+
+    category: singular, after synonyms ("mug" is "cup"); `ANYTHING` for "thing".
+    word: the noun as said, singular, after spelling correction; matching ranks by it.
+    attributes, without: words in spoken order. owner: "me", "you", or a lower-case name.
+    """
+
+    category: str
+    word: str = ""
+    attributes: tuple[str, ...] = ()
+    without: tuple[str, ...] = ()
+    owner: str | None = None
+    quantity: int | None = None
+    where: Where | None = None
+    var: str = "x"
+
+    def __post_init__(self) -> None:
+        if not self.category:
+            raise FormError("an object has an empty category; it must be a noun")
+        if not self.word:
+            object.__setattr__(self, "word", self.category)
+
+    def to_json(self) -> Json:
+        """Return the JSON record of formal-query, every field present."""
+        return {
+            "var": self.var,
+            "category": self.category,
+            "word": self.word,
+            "attributes": list(self.attributes),
+            "without": list(self.without),
+            "owner": self.owner,
+            "quantity": self.quantity,
+            "where": self.where.to_json() if self.where else None,
+        }
+
+
+@dataclass(frozen=True, slots=True)
+class Relation:
+    """A relation between the objects of a query, which are its arguments in spoken order."""
+
+    kind: RelationKind
+    negated: bool = False
+
+    def __post_init__(self) -> None:
+        _one_of("relation.kind", self.kind, RELATION_KINDS)
+
+    def to_json(self) -> Json:
+        """Return the JSON record of formal-query."""
+        return {"kind": self.kind, "negated": self.negated}
+
+
+@dataclass(frozen=True, slots=True)
+class TimeSlice:
+    """A slice [start, end) of aware times; an open end is None, a point has start == end."""
+
+    start: datetime | None = None
+    end: datetime | None = None
+
+    def __post_init__(self) -> None:
+        for name, moment in (("start", self.start), ("end", self.end)):
+            if moment is not None and moment.tzinfo is None:
+                raise FormError(f"time.{name} {moment.isoformat()} has no offset; add one")
+        if self.start is not None and self.end is not None and self.end < self.start:
+            raise FormError(
+                f"time ends at {self.end.isoformat()}, before it starts at {self.start.isoformat()}"
+            )
+
+    @property
+    def is_point(self) -> bool:
+        """Whether the slice is a point in time: what was true then is asked."""
+        return self.start is not None and self.start == self.end
+
+    def to_json(self) -> Json:
+        """Return ISO strings with offset, or None for an open end."""
+        return {
+            "start": self.start.isoformat() if self.start else None,
+            "end": self.end.isoformat() if self.end else None,
+        }
+
+
+@dataclass(frozen=True, slots=True)
+class FormalQuery:
+    """A question in formal form (paper, Table 1: Q1, Q2, Q3).
+
+    objects: the arguments of `relation` in spoken order, figure first; empty for `moved` and
+    `missing` without an object. place: a named region, never an object.
+    select: which of the sightings; `usual` asks where a thing habitually lies.
+    """
+
+    text: str
+    form: Form
+    ask: Ask
+    objects: tuple[ObjectTerm, ...] = ()
+    relation: Relation | None = None
+    place: str | None = None
+    time: TimeSlice | None = None
+    select: Select = "all"
+    negated: bool = False
+
+    def __post_init__(self) -> None:
+        _one_of("form", self.form, FORMS)
+        _one_of("ask", self.ask, ASKS)
+        _one_of("select", self.select, SELECTS)
+        if len(self.objects) > len(VARIABLES):
+            raise FormError(f"{len(self.objects)} objects; at most {len(VARIABLES)} will do")
+        named = tuple(
+            term if term.var == VARIABLES[i] else replace(term, var=VARIABLES[i])
+            for i, term in enumerate(self.objects)
+        )
+        object.__setattr__(self, "objects", named)
+
+    @property
+    def formal(self) -> str:
+        """The paper's notation, for reading: one predicate a word, then the store call."""
+        predicates: list[str] = []
+        groups: list[str] = []
+        for term in self.objects:
+            words = [*term.attributes, term.category]
+            variables = [
+                VARIABLES[(len(predicates) + i) % len(VARIABLES)] for i in range(len(words))
+            ]
+            predicates += [
+                f"{w.replace(' ', '_')}({v})" for w, v in zip(words, variables, strict=True)
+            ]
+            groups += variables
+        call = f"OIc.find({', '.join(groups)})"
+        conditions: list[str] = []
+        if self.relation is not None:
+            conditions.append(("not " if self.relation.negated else "") + self.relation.kind)
+        if self.place is not None:
+            conditions.append(f"in {self.place}")
+        if self.time is not None:
+            predicates.append("time(t)")
+            conditions.append(_bounds(self.time))
+        if self.form != "Q1" or conditions:
+            call = f"STc.find({', '.join([call, *conditions])})"
+        return f"{', '.join(predicates)} | {call}"
+
+    def to_json(self) -> Json:
+        """Return the JSON record of formal-query, every field present."""
+        return {
+            "text": self.text,
+            "form": self.form,
+            "ask": self.ask,
+            "objects": [term.to_json() for term in self.objects],
+            "relation": self.relation.to_json() if self.relation else None,
+            "place": self.place,
+            "time": self.time.to_json() if self.time else None,
+            "select": self.select,
+            "negated": self.negated,
+            "formal": self.formal,
+        }
+
+    @classmethod
+    def from_json(cls, record: Mapping[str, Any]) -> FormalQuery:
+        """Read what `to_json` wrote; `formal` is derived and not read.
+
+        Raises FormError with the field and what may stand there.
+        """
+        try:
+            relation, time = record["relation"], record["time"]
+            return cls(
+                text=str(record["text"]),
+                form=cast("Form", record["form"]),
+                ask=cast("Ask", record["ask"]),
+                objects=tuple(_term_from_json(term) for term in record["objects"]),
+                relation=Relation(relation["kind"], bool(relation["negated"]))
+                if relation
+                else None,
+                place=record["place"],
+                time=TimeSlice(_moment(time["start"]), _moment(time["end"])) if time else None,
+                select=cast("Select", record["select"]),
+                negated=bool(record["negated"]),
+            )
+        except KeyError as error:
+            raise FormError(f"the field {error.args[0]!r} is missing") from error
+        except (TypeError, AttributeError) as error:
+            raise FormError(f"not a formal query: {error}") from error
+
+
+def _bounds(time: TimeSlice) -> str:
+    """Write a slice as the paper does: `1600 >= t >= 1300`."""
+
+    def clock(moment: datetime) -> str:
+        return f"{moment:%H%M}"
+
+    if time.start is None and time.end is None:
+        return "t"
+    if time.start is None:
+        return f"{clock(cast('datetime', time.end))} >= t"
+    if time.end is None:
+        return f"t >= {clock(time.start)}"
+    if time.is_point:
+        return f"t = {clock(time.start)}"
+    return f"{clock(time.end)} >= t >= {clock(time.start)}"
+
+
+def _moment(value: str | None) -> datetime | None:
+    if value is None:
+        return None
+    try:
+        return datetime.fromisoformat(value)
+    except ValueError as error:
+        raise FormError(f"{value!r} is not an ISO time with an offset") from error
+
+
+def _term_from_json(record: Mapping[str, Any]) -> ObjectTerm:
+    where = record["where"]
+    return ObjectTerm(
+        category=record["category"],
+        word=record["word"],
+        attributes=tuple(record["attributes"]),
+        without=tuple(record["without"]),
+        owner=record["owner"],
+        quantity=record["quantity"],
+        where=Where(where["kind"], _term_from_json(where["object"]), bool(where["negated"]))
+        if where
+        else None,
+        var=record["var"],
+    )
