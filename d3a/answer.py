@@ -1,0 +1,120 @@
+"""The answer to a question, as the contract `answer` of the JSON output has it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from datetime import datetime
+from typing import Any, Literal
+
+from d3a.model import Box, Json, Position
+from grammar.forms import FormalQuery
+
+SCHEMA = 1
+Status = Literal[
+    "found", "not_found", "unknown_object", "not_understood", "out_of_scope", "ambiguous", "error"
+]
+Reason = Literal["never", "not_then", "not_there", "gone", "not_recognisable", "empty"]
+
+
+@dataclass(frozen=True, slots=True)
+class RankedKeyframe:
+    """One keyframe of an answer, best first (paper: "ordered by their probability of correctness").
+
+    score: how likely it shows what was asked, 0..1; why: the parts of the score.
+    frame: the recording's name; image: the key of the stored picture. box: pixels of that frame.
+    start, end: the sighting's closed interval, in the home's zone. group: the moment of a relation.
+    """
+
+    rank: int
+    score: float
+    object_id: str
+    category: str
+    frame: str
+    probability: float
+    box: Box | None
+    start: datetime
+    end: datetime
+    position: Position | None = None
+    place: str | None = None
+    near: str | None = None
+    seen: int = 1
+    last_absent: datetime | None = None
+    image: str | None = None
+    why: Json = field(default_factory=dict)
+    group: int | None = None
+
+    def to_json(self) -> Json:
+        """Return the keyframe's record, every field present."""
+        return {
+            "rank": self.rank,
+            "score": round(self.score, 4),
+            "object_id": self.object_id,
+            "category": self.category,
+            "frame": self.frame,
+            "probability": round(self.probability, 4),
+            "box": [round(v, 1) for v in self.box] if self.box else None,
+            "position": [round(v, 3) for v in self.position] if self.position else None,
+            "place": self.place,
+            "near": self.near,
+            "start": self.start.isoformat(),
+            "end": self.end.isoformat(),
+            "seen": self.seen,
+            "last_absent": self.last_absent.isoformat() if self.last_absent else None,
+            "image": self.image,
+            "why": self.why,
+            "group": self.group,
+        }
+
+
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """What is printed, batched and shown: a sentence, ranked keyframes, and what led to them.
+
+    count: distinct objects that match, before the limit. value: the number asked for (objects,
+    seconds, sightings). otherwise: the nearest true keyframe outside of the asked slice or place.
+    unjudged: conditions this store cannot judge. elapsed_ms: parse, retrieve, rank, total.
+    """
+
+    text: str = ""
+    status: Status = "found"
+    answer: str = ""
+    reason: Reason | None = None
+    query: FormalQuery | None = None
+    count: int = 0
+    value: float | None = None
+    keyframes: tuple[RankedKeyframe, ...] = ()
+    otherwise: RankedKeyframe | None = None
+    unjudged: tuple[str, ...] = ()
+    suggestions: tuple[str, ...] = ()
+    last_looked: datetime | None = None
+    truncated: bool = False
+    elapsed_ms: dict[str, float] = field(default_factory=dict)
+    id: str | None = None
+    message: str | None = None
+    position: int | None = None
+
+    def to_json(self) -> Json:
+        """Return the answer's record; `message` and `position` only where there is an error."""
+        record: dict[str, Any] = {
+            "schema": SCHEMA,
+            "id": self.id,
+            "text": self.text,
+            "status": self.status,
+            "reason": self.reason,
+            "answer": self.answer,
+            "query": self.query.to_json() if self.query else None,
+            "count": self.count,
+            "value": self.value,
+            "keyframes": [keyframe.to_json() for keyframe in self.keyframes],
+            "otherwise": self.otherwise.to_json() if self.otherwise else None,
+            "unjudged": list(self.unjudged),
+            "suggestions": list(self.suggestions),
+            "last_looked": self.last_looked.isoformat() if self.last_looked else None,
+            "truncated": self.truncated,
+            "elapsed_ms": {name: round(ms, 3) for name, ms in self.elapsed_ms.items()},
+        }
+        if self.message is not None:
+            record["message"] = self.message
+        if self.position is not None:
+            record["position"] = self.position
+        return record

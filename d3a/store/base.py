@@ -1,0 +1,396 @@
+"""The store: records of OIc and STc, a batch of writes, and the Protocol of both backends.
+
+Paper: Tier 3 and the appendix (two collections). Times are UTC milliseconds, intervals are closed
+at both ends. Every write is an absolute put or a removal, so that a batch may be applied twice.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from d3a.model import Box, D3AError, Json, Position
+
+SCHEMA = 1
+StayKey = tuple[str, int]
+"""(object_id, place): one object at one location."""
+
+
+class StoreError(D3AError):
+    """The store failed or refused; the message says which store, why, and what would do."""
+
+
+class StoreUnreachable(StoreError):  # noqa: N818
+    """The store cannot be opened or reached; passwords in its URI are masked."""
+
+
+class StoreRefused(StoreError):  # noqa: N818
+    """A record is outside of the limits of the store (see `limits.py`)."""
+
+
+@dataclass(frozen=True, slots=True)
+class TaughtName:
+    """What a person calls an object: "keys" of "anna"; owner None where nobody is named."""
+
+    word: str
+    owner: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class ObjectRecord:
+    """A document of OIc: one object, wherever it was.
+
+    weight: summed detection weight (paper, appendix). categories: (category, weight) votes, the
+    heaviest first. extent_m: width, height from depth. tentative: seen too seldom to be sure.
+    volatile: still in the STM; replaced or removed when tier 3 has merged it.
+    """
+
+    object_id: str
+    category: str
+    weight: float
+    first_ms: int
+    last_ms: int
+    site: str = ""
+    categories: tuple[tuple[str, float], ...] = ()
+    names: tuple[TaughtName, ...] = ()
+    embedding: NDArray[np.float32] | None = field(default=None, repr=False, compare=False)
+    embedding_model: str | None = None
+    extent_m: tuple[float, float] | None = None
+    tentative: bool = False
+    volatile: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class StayRecord:
+    """A document of STc without its intervals: one object at one location.
+
+    position: metres in the map frame, None where nothing told it; covariance: 3 x 3 row-major.
+    seen: detections over all intervals. moved_from: (place of the same object, score 0..1).
+    last_absent_ms: when the place was last seen without the object, after `last_ms`.
+    """
+
+    object_id: str
+    place: int
+    position: Position | None
+    first_ms: int
+    last_ms: int
+    weight: float
+    site: str = ""
+    covariance: tuple[float, ...] | None = None
+    seen: int = 1
+    moved_from: tuple[int, float] | None = None
+    last_absent_ms: int | None = None
+    tentative: bool = False
+    volatile: bool = False
+
+    @property
+    def key(self) -> StayKey:
+        """(object_id, place)."""
+        return self.object_id, self.place
+
+
+@dataclass(frozen=True, slots=True)
+class Sighting:
+    """One interval of a stay, with the keyframe that shows it best.
+
+    frame: the recording's own name. image: key of the stored picture, None without one.
+    box: pixels of that frame. seen: frames with a detection in the interval.
+    viewer: the camera's pose in that frame (x y z qx qy qz qw), None where unknown.
+    """
+
+    object_id: str
+    place: int
+    start_ms: int
+    end_ms: int
+    frame: str
+    probability: float
+    box: Box
+    image: str | None = None
+    seen: int = 1
+    category: str = ""
+    recording: str = ""
+    keyframe_ms: int | None = None
+    viewer: tuple[float, ...] | None = None
+
+    @property
+    def stay(self) -> StayKey:
+        """(object_id, place)."""
+        return self.object_id, self.place
+
+
+@dataclass(frozen=True, slots=True)
+class Encounter:
+    """Two objects seen in the same frames, over one interval; object_a < object_b.
+
+    frame, image, box_a, box_b, viewer: the frame that shows both best. seen: shared frames.
+    """
+
+    object_a: str
+    object_b: str
+    place_a: int
+    place_b: int
+    start_ms: int
+    end_ms: int
+    frame: str
+    box_a: Box
+    box_b: Box
+    probability: float
+    image: str | None = None
+    seen: int = 1
+    recording: str = ""
+    viewer: tuple[float, ...] | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class View:
+    """Where the robot looked: a sector seen over a time span (coverage).
+
+    x, y: the camera in metres; yaw: heading, radians in the map's ground plane (up axis aside);
+    half_angle in radians; range_m: how far it could see. None where the pose is unknown.
+    """
+
+    start_ms: int
+    end_ms: int
+    frames: int
+    site: str = ""
+    recording: str = ""
+    x: float | None = None
+    y: float | None = None
+    yaw: float | None = None
+    half_angle: float | None = None
+    range_m: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Region:
+    """A named room: a polygon in metres in the map frame, corners (x, y) in order."""
+
+    name: str
+    polygon: tuple[tuple[float, float], ...]
+    site: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Keyframe:
+    """A stored picture: JPEG bytes, and the size of the original that boxes refer to."""
+
+    key: str
+    jpeg: bytes = field(repr=False)
+    width: int
+    height: int
+    time_ms: int
+
+
+@dataclass(frozen=True, slots=True)
+class RecordingRecord:
+    """How far a recording has been ingested, so that a second run adds nothing.
+
+    key: name, first frame and its time. frames: how many are in the store.
+    skipped: reason -> count. done: closed, the STM was flushed.
+    """
+
+    key: str
+    name: str
+    site: str
+    zone: str | None
+    frames: int
+    detections: int
+    first_ms: int | None
+    last_ms: int | None
+    last_frame: str | None
+    done: bool
+    skipped: tuple[tuple[str, int], ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Batch:
+    """Writes that become visible together: `Store.apply` returns after the commit.
+
+    Removing an object removes its stays, sightings and encounters; removing a stay its sightings
+    and encounters. Removals happen before puts. meta: JSON values; None removes a key.
+    state: the associator's checkpoint, opaque bytes, None leaves it as it is.
+    """
+
+    objects: Sequence[ObjectRecord] = ()
+    stays: Sequence[StayRecord] = ()
+    sightings: Sequence[Sighting] = ()
+    encounters: Sequence[Encounter] = ()
+    views: Sequence[View] = ()
+    keyframes: Sequence[Keyframe] = ()
+    regions: Sequence[Region] = ()
+    recordings: Sequence[RecordingRecord] = ()
+    removed_objects: Sequence[str] = ()
+    removed_stays: Sequence[StayKey] = ()
+    removed_sightings: Sequence[tuple[str, int, int]] = ()  # object_id, place, start_ms
+    removed_encounters: Sequence[tuple[str, str, int, int, int]] = ()  # a, b, places, start_ms
+    removed_regions: Sequence[str] = ()
+    meta: Mapping[str, Any] = field(default_factory=dict)
+    state: bytes | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Area:
+    """An axis-aligned box of the ground plane, metres, edges included."""
+
+    x_min: float
+    y_min: float
+    x_max: float
+    y_max: float
+
+
+@dataclass(frozen=True, slots=True)
+class NativeQuery:
+    """One query as the backend ran it, for `explain`: its text, the index, rows and time."""
+
+    text: str
+    index: str | None
+    rows: int
+    elapsed_ms: float
+
+
+class Store(Protocol):
+    """OIc and STc behind one narrow interface; SQLite and MongoDB keep one contract suite.
+
+    Every list has a stated order, ties by id. Readers in other processes see whole batches.
+    Every method raises StoreError (unreachable, refused, damaged) and nothing of the driver's.
+    """
+
+    uri: str
+    """The store's address, passwords masked."""
+
+    def close(self) -> None:
+        """Release the connection; the store can be opened again."""
+        ...
+
+    # writing
+    def apply(self, batch: Batch) -> None:
+        """Apply a batch; returns after the commit. Applying it again changes nothing."""
+        ...
+
+    def collect_keyframes(self, keep: Sequence[str] = ()) -> int:
+        """Remove pictures that no sighting or encounter refers to, but for `keep`; count them."""
+        ...
+
+    # OIc
+    def objects(
+        self,
+        *,
+        ids: Sequence[str] | None = None,
+        categories: Sequence[str] | None = None,
+        names: Sequence[str] | None = None,
+    ) -> list[ObjectRecord]:
+        """Return objects by id; None: no condition, conditions are and-ed. With embeddings."""
+        ...
+
+    def categories(self) -> list[tuple[str, int]]:
+        """Return (category, objects of it), by category."""
+        ...
+
+    def embeddings(self) -> tuple[list[str], NDArray[np.float32]]:
+        """Return the ids, by id, of the objects with an embedding, and their matrix (n, d)."""
+        ...
+
+    # STc
+    def stays(
+        self,
+        *,
+        object_ids: Sequence[str] | None = None,
+        area: Area | None = None,
+        start_ms: int | None = None,
+        end_ms: int | None = None,
+    ) -> list[StayRecord]:
+        """Return stays by (object_id, place) whose [first, last] touches [start, end]."""
+        ...
+
+    def sightings(
+        self,
+        *,
+        object_ids: Sequence[str] | None = None,
+        area: Area | None = None,
+        start_ms: int | None = None,
+        end_ms: int | None = None,
+        limit: int | None = None,
+    ) -> list[Sighting]:
+        """Return sightings by (start, object_id, place) that touch the closed [start, end]."""
+        ...
+
+    def edges(
+        self,
+        object_ids: Sequence[str],
+        which: str,
+        *,
+        before_ms: int | None = None,
+        after_ms: int | None = None,
+    ) -> list[Sighting]:
+        """Return each object's "first" or "last" sighting, by object_id.
+
+        before_ms: only sightings that start at or before it. after_ms: that end at or after it.
+        """
+        ...
+
+    def encounters(
+        self,
+        *,
+        object_ids: Sequence[str] | None = None,
+        with_ids: Sequence[str] | None = None,
+        start_ms: int | None = None,
+        end_ms: int | None = None,
+    ) -> list[Encounter]:
+        """Return encounters by (start, a, b, places) between one of `object_ids` and `with_ids`.
+
+        None stands for every object; either may be object_a.
+        """
+        ...
+
+    # pictures, coverage, places, bookkeeping
+    def keyframe(self, key: str) -> Keyframe | None:
+        """Return a stored picture."""
+        ...
+
+    def keyframe_keys(self) -> list[str]:
+        """Return the keys of all stored pictures, sorted."""
+        ...
+
+    def views(self, *, start_ms: int | None = None, end_ms: int | None = None) -> list[View]:
+        """Return views by (start, end) that touch the closed [start, end]."""
+        ...
+
+    def last_view_ms(self) -> int | None:
+        """Return the time of the newest frame in the store."""
+        ...
+
+    def regions(self) -> list[Region]:
+        """Return named rooms, by name."""
+        ...
+
+    def recordings(self) -> list[RecordingRecord]:
+        """Return recordings, by key."""
+        ...
+
+    def meta(self, key: str) -> Any | None:
+        """Return a JSON value (zone, now, classes, parameters, ...), None where it is not set."""
+        ...
+
+    def state(self) -> bytes | None:
+        """Return the associator's checkpoint."""
+        ...
+
+    def counts(self) -> Json:
+        """Return how many records of each kind there are, and the store's size in bytes."""
+        ...
+
+    def check(self) -> list[str]:
+        """Return what is damaged or dangling, a sentence each; [] for a sound store."""
+        ...
+
+    def tracing(self, observer: Callable[[NativeQuery], None] | None) -> None:
+        """Call `observer` after every native query, with its plan; None stops it."""
+        ...
+
+    def dump(self) -> Iterator[Json]:
+        """Yield every record but pictures as plain JSON, in a fixed order: to compare stores."""
+        ...
