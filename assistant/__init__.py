@@ -1,1 +1,1 @@
-"""TBD."""
+"""The person's side: commands, chat, dialogue, replies and the demo home."""
