@@ -290,6 +290,10 @@ class Store(Protocol):
         """Return (category, objects of it), by category."""
         ...
 
+    def names(self) -> list[TaughtName]:
+        """Return what people call the objects, by (word, owner or ""), none twice."""
+        ...
+
     def embeddings(self) -> tuple[list[str], NDArray[np.float32]]:
         """Return the ids, by id, of the objects with an embedding, and their matrix (n, d)."""
         ...
