@@ -151,6 +151,7 @@ class View:
 
     x, y: the camera in metres; yaw: heading, radians in the map's ground plane (up axis aside);
     half_angle in radians; range_m: how far it could see. None where the pose is unknown.
+    A view is put by (site, recording, start): one that goes on replaces what it was.
     """
 
     start_ms: int
@@ -213,6 +214,8 @@ class Batch:
     Removing an object removes its stays, sightings and encounters; removing a stay its sightings
     and encounters. Removals happen before puts. meta: JSON values; None removes a key.
     state: the associator's checkpoint, opaque bytes, None leaves it as it is.
+    A stay needs its object, a sighting its stay, an encounter both stays: in the store or in the
+    batch, else the whole batch is refused. Of two puts of one key the later one counts.
     """
 
     objects: Sequence[ObjectRecord] = ()
@@ -283,7 +286,10 @@ class Store(Protocol):
         categories: Sequence[str] | None = None,
         names: Sequence[str] | None = None,
     ) -> list[ObjectRecord]:
-        """Return objects by id; None: no condition, conditions are and-ed. With embeddings."""
+        """Return objects by id; None: no condition, conditions are and-ed. With embeddings.
+
+        categories: the record's `category`, exactly. names: the `word` of a taught name, exactly.
+        """
         ...
 
     def categories(self) -> list[tuple[str, int]]:
@@ -307,7 +313,10 @@ class Store(Protocol):
         start_ms: int | None = None,
         end_ms: int | None = None,
     ) -> list[StayRecord]:
-        """Return stays by (object_id, place) whose [first, last] touches [start, end]."""
+        """Return stays by (object_id, place) whose [first, last] touches [start, end].
+
+        area: the position, edges included; a stay without a position is in no area.
+        """
         ...
 
     def sightings(
@@ -319,7 +328,10 @@ class Store(Protocol):
         end_ms: int | None = None,
         limit: int | None = None,
     ) -> list[Sighting]:
-        """Return sightings by (start, object_id, place) that touch the closed [start, end]."""
+        """Return sightings by (start, object_id, place) that touch the closed [start, end].
+
+        area: where the sighting's stay is. limit: only the first so many.
+        """
         ...
 
     def edges(
@@ -333,6 +345,7 @@ class Store(Protocol):
         """Return each object's "first" or "last" sighting, by object_id.
 
         before_ms: only sightings that start at or before it. after_ms: that end at or after it.
+        First is the least (start, end, place), last is the greatest (end, start, place).
         """
         ...
 
@@ -396,5 +409,8 @@ class Store(Protocol):
         ...
 
     def dump(self) -> Iterator[Json]:
-        """Yield every record but pictures as plain JSON, in a fixed order: to compare stores."""
+        """Yield every record as plain JSON, in a fixed order: to compare stores.
+
+        Of a picture its key and sizes, of the checkpoint its hash.
+        """
         ...
