@@ -1,0 +1,247 @@
+"""A question in, an answer out: grammar, plan, store, sentence. One engine for chat, ask, batch."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from datetime import datetime
+from time import perf_counter
+from typing import Literal, cast
+from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
+
+from assistant.lexicon import VocabularyLexicon
+from assistant.reply import sentence
+from d3a.answer import Answer, Status
+from d3a.execute import execute
+from d3a.model import Json
+from d3a.parameters import DEFAULT, PROFILES, Parameters
+from d3a.plan import Plan, Precision, plan
+from d3a.store.base import NativeQuery, Store, StoreError
+from grammar import StoreWords, parse
+from grammar.errors import QuestionError
+from grammar.forms import FormalQuery
+from grammar.notation import looks_formal, read
+
+PRECISIONS: tuple[Precision, ...] = ("perfect", "category", "any")
+
+
+@dataclass(frozen=True, slots=True)
+class Explanation:
+    """How a question is answered: formal query, plan, the store's native queries, times."""
+
+    query: FormalQuery
+    plan: Plan
+    native: tuple[NativeQuery, ...]
+    answer: Answer
+    elapsed_ms: dict[str, float] = field(default_factory=dict)
+
+    def to_json(self) -> Json:
+        """Return one record: query, plan, native queries with index, rows and ms, times."""
+        return {
+            "text": self.query.text,
+            "query": self.query.to_json(),
+            "plan": self.plan.to_json(),
+            "native": [
+                {
+                    "query": native.text,
+                    "index": native.index,
+                    "rows": native.rows,
+                    "elapsed_ms": round(native.elapsed_ms, 3),
+                }
+                for native in self.native
+            ],
+            "status": self.answer.status,
+            "count": self.answer.count,
+            "elapsed_ms": {name: round(ms, 3) for name, ms in self.elapsed_ms.items()},
+        }
+
+    def to_text(self) -> str:
+        """Return the same for reading, a line a step and a line a native query."""
+        lines = [f"query   {self.query.formal}", "plan"]
+        lines += [f"  {number}. {line}" for number, line in enumerate(self.plan.lines(), 1)]
+        lines.append("native queries")
+        for native in self.native:
+            index = native.index or "no index"
+            lines.append(f"  {native.elapsed_ms:7.3f} ms  {native.rows:6d} rows  {index}")
+            lines.append(f"      {native.text}")
+        spent = ", ".join(f"{name} {ms:.2f}" for name, ms in self.elapsed_ms.items())
+        lines.append(f"answer  {self.answer.status}, {self.answer.count} objects")
+        lines.append(f"times   {spent} (ms)")
+        return "\n".join(lines)
+
+
+def store_words(store: Store) -> StoreWords:
+    """Return the words that the grammar is to know of this store: categories, names, places.
+
+    A detector's class list counts too: "never seen" and "no such word" are different answers.
+    Raises StoreError.
+    """
+    seen = [category for category, _ in store.categories()]
+    classes = [str(word) for word in store.meta("classes") or ()]
+    return StoreWords(
+        categories=tuple(dict.fromkeys(seen + classes)),
+        names=tuple(dict.fromkeys(name.word for name in store.names())),
+        places=tuple(region.name for region in store.regions()),
+    )
+
+
+def home_zone(store: Store) -> ZoneInfo | None:
+    """Return the home's IANA zone as the store has it, None where it has none.
+
+    Raises StoreError; a zone that the time zone database does not know counts as none.
+    """
+    name = store.meta("zone")
+    if name is None:
+        return None
+    try:
+        return ZoneInfo(str(name))
+    except (ZoneInfoNotFoundError, ValueError):
+        return None
+
+
+def store_now(
+    store: Store, given: datetime | Literal["last"] | None, clock: Callable[[], datetime]
+) -> datetime:
+    """Return the `now` of a question, in the home's zone.
+
+    given: a time, or "last" for the newest frame of the store. Else the store's own fixed `now`
+    (a demo home has one), else `clock()`. A time without an offset is the home's wall clock.
+    Raises StoreError.
+    """
+    zone = home_zone(store)
+    if isinstance(given, datetime):
+        moment = given
+    else:
+        fixed = store.meta("now")
+        newest = store.last_view_ms() if given == "last" else None
+        if newest is not None:
+            moment = datetime.fromtimestamp(newest / 1000, tz=zone or ZoneInfo("UTC"))
+        elif fixed is not None:
+            moment = datetime.fromisoformat(str(fixed))
+        else:
+            moment = clock()
+    if moment.tzinfo is None:
+        return moment.replace(tzinfo=zone or ZoneInfo("UTC"))
+    return moment.astimezone(zone) if zone is not None else moment
+
+
+def ask(
+    store: Store,
+    text: str,
+    *,
+    now: datetime,
+    limit: int = 50,
+    precision: str | None = None,
+    id: str | None = None,  # noqa: A002  the contract's own name
+) -> Answer:
+    """Answer a question, in words or in the formal notation.
+
+    now: aware, in the home's zone; see `store_now`. precision: "perfect", "category" or "any"
+    forces a rung of the matching ladder. A question that cannot be answered and a store that
+    fails are answers with their status, never an exception.
+    """
+    started = perf_counter()
+    try:
+        query = read_question(store, text, now=now)
+    except QuestionError as error:
+        return replace(refusal(error), id=id, elapsed_ms={"total": _ms_since(started)})
+    except StoreError as error:
+        return replace(failure(text, error), id=id, elapsed_ms={"total": _ms_since(started)})
+    parse_ms = _ms_since(started)
+    answer = ask_query(store, query, now=now, limit=limit, precision=precision)
+    elapsed = {"parse": parse_ms} | answer.elapsed_ms | {"total": _ms_since(started)}
+    return replace(answer, id=id, elapsed_ms=elapsed)
+
+
+def read_question(store: Store, text: str, *, now: datetime) -> FormalQuery:
+    """Return the formal query of a question in words or in notation.
+
+    Raises QuestionError where it has none, StoreError where the store's words cannot be had.
+    """
+    if looks_formal(text):
+        return read(text, now=now)
+    return parse(text, now=now, words=store_words(store))
+
+
+def ask_query(
+    store: Store,
+    query: FormalQuery,
+    *,
+    now: datetime,
+    limit: int = 50,
+    precision: str | None = None,
+) -> Answer:
+    """Answer a formal query, as `ask` does; dialogues and tests come in here."""
+    started = perf_counter()
+    try:
+        parameters = store_parameters(store)
+        steps = plan(query, parameters=parameters, precision=_precision(precision))
+        lexicon = VocabularyLexicon()
+        answer = execute(steps, store, lexicon, now=now, limit=limit, parameters=parameters)
+    except StoreError as error:
+        return replace(failure(query.text, error), query=query)
+    answer = replace(answer, answer=sentence(answer, now=now))
+    return replace(answer, elapsed_ms=answer.elapsed_ms | {"total": _ms_since(started)})
+
+
+def explain(store: Store, text: str, *, now: datetime) -> Explanation:
+    """Answer a question and tell how. Raises QuestionError and StoreError."""
+    native: list[NativeQuery] = []
+    started = perf_counter()
+    query = read_question(store, text, now=now)
+    parsed_ms = _ms_since(started)
+    parameters = store_parameters(store)
+    steps = plan(query, parameters=parameters)
+    store.tracing(native.append)
+    try:
+        answer = execute(
+            steps, store, VocabularyLexicon(), now=now, limit=50, parameters=parameters
+        )
+    finally:
+        store.tracing(None)
+    elapsed = {"parse": parsed_ms} | answer.elapsed_ms | {"total": _ms_since(started)}
+    return Explanation(query, steps, tuple(native), answer, elapsed)
+
+
+def store_parameters(store: Store) -> Parameters:
+    """Return the parameters that filled the store, its own thresholds; unknown ones are left.
+
+    A store that was filled with another `together_m` is asked with the same. Raises StoreError.
+    """
+    known = store.meta("parameters")
+    if not isinstance(known, dict):
+        return DEFAULT
+    base = PROFILES.get(str(known.get("profile")), DEFAULT)
+    names = base.to_json().keys()
+    return base.with_changes(**{name: known[name] for name in names if name in known})
+
+
+def refusal(error: QuestionError) -> Answer:
+    """Return the answer that says why a question has no formal query, and what would do."""
+    return Answer(
+        text=error.text,
+        status=cast("Status", error.kind),
+        answer=str(error),
+        message=error.reason,
+        position=error.position,
+        suggestions=error.suggestions,
+    )
+
+
+def failure(text: str, error: StoreError) -> Answer:
+    """Return the answer of a store that failed; the message says which, and what would do."""
+    return Answer(
+        text=text, status="error", answer="I cannot reach my memory.", message=str(error)
+    )
+
+
+def _precision(word: str | None) -> Precision | None:
+    if word is None:
+        return None
+    if word not in PRECISIONS:
+        raise ValueError(f"precision {word!r} must be one of {', '.join(PRECISIONS)}")
+    return cast("Precision", word)
+
+
+def _ms_since(started: float) -> float:
+    return (perf_counter() - started) * 1000

@@ -1,0 +1,64 @@
+"""Many questions, an answer a line: in the order of the input, a bad line is a record too."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+from datetime import datetime
+from typing import Any
+
+from assistant.asking import ask
+from d3a.answer import Answer
+from d3a.store.base import Store
+
+
+class BadLine(ValueError):
+    """A line that is neither a question nor a record with one."""
+
+
+def run(store: Store, lines: Iterable[str], *, now: datetime, limit: int = 50) -> Iterator[Answer]:
+    """Yield the answer of each line; blank lines are left out.
+
+    A line is a question, or a JSON object {"id", "text", "now"} of which `text` alone is needed;
+    its `now` is ISO with an offset, else that of the home. A line that is neither gives an answer
+    with the status "error" and goes on.
+    """
+    for line in lines:
+        said = line.strip()
+        if not said:
+            continue
+        try:
+            text, name, moment = _question(said, now)
+        except BadLine as error:
+            yield Answer(text=said, status="error", answer=str(error), message=str(error))
+            continue
+        yield replace(ask(store, text, now=moment, limit=limit), id=name)
+
+
+def _question(line: str, now: datetime) -> tuple[str, str | None, datetime]:
+    if not line.startswith("{"):
+        return line, None, now
+    try:
+        record: Any = json.loads(line)
+    except ValueError as error:
+        raise BadLine(f"This line is not JSON: {error}.") from error
+    except RecursionError as error:
+        raise BadLine("This line is not JSON: it is nested too deeply.") from error
+    text = record.get("text")
+    if not isinstance(text, str) or not text.strip():
+        raise BadLine('This record has no question: it needs a "text".')
+    name = record.get("id")
+    return text, None if name is None else str(name), _moment(record.get("now"), now)
+
+
+def _moment(given: object, now: datetime) -> datetime:
+    if given is None:
+        return now
+    try:
+        moment = datetime.fromisoformat(str(given))
+    except ValueError as error:
+        raise BadLine(f'The "now" of this record, {given!r}, is not an ISO time.') from error
+    if moment.tzinfo is None:
+        return moment.replace(tzinfo=now.tzinfo)
+    return moment.astimezone(now.tzinfo)
