@@ -77,7 +77,8 @@ class Detection:
     box: x1, y1, x2, y2 in pixels from the frame's top left.
     position: metres in the map frame, None without depth and pose; covariance: its 3 x 3
     row-major, None where unknown. extent_m: width and height of the thing, from depth.
-    embedding: (d,), unit length, None without a picture.
+    embedding: (d,), unit length, None without a picture. row: its number in the recording's file
+    of detections, from 0, so that identity can be judged from outside.
     """
 
     category: str
@@ -87,6 +88,7 @@ class Detection:
     covariance: tuple[float, ...] | None = None
     extent_m: tuple[float, float] | None = None
     embedding: NDArray[np.float32] | None = field(default=None, repr=False, compare=False)
+    row: int | None = None
 
     def __post_init__(self) -> None:
         if not self.category.strip():

@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 from typing import Any, Literal
 
 Profile = Literal["default", "paper"]
+Clustering = Literal["components", "dbscan"]
+
+ANSWER_FIELDS = ("together_m", "near_m")
+"""Read when a question is answered: a store filled with other values of these is the same."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -13,29 +18,63 @@ class Parameters:
     """The numbers of the paper (Evaluation, "Parameter Selection") and of what goes beyond it.
 
     The profile chooses operators; the numbers below serve both unless a comment says otherwise.
+    Log-odds are natural logarithms; each says which odds it stands for.
     """
 
     profile: Profile = "default"
+    # What is taken in: weaker detections are left out; None: what the reader advises
+    min_probability: float | None = None
     # Tier 1
     window_frames: int = 10
     min_frames: int = 2  # a cluster seen in fewer distinct frames is noise (paper profile)
     window_gap_s: float = 60.0  # a longer pause starts a new window
+    clustering: Clustering = "components"  # equal to "dbscan" with two samples, and 5 x quicker
+    double_box_iou: float = 0.7  # boxes that share this much are one thing named twice (default)
     # Tiers 1 to 3
     min_similarity: float = 0.4  # cosine; the reading "distance" is min_similarity = 0.6
     d_thresh_m: float = 0.5
     # Tier 2
     stm_capacity: int = 400
+    # Where things are: what is assumed where the recording does not say it
+    pose_sigma_m: float = 0.35  # per axis: the paper's 0.5 m of pose error in the plane
+    pose_tau_s: float = 90.0  # a localisation's error drifts: after this long it is another one
+    position_sigma_m: float = 0.15  # of a given position beside the pose: box, surface, rounding
+    depth_sigma_rel: float = 0.02  # of the range; stereo and structured light err by 1 to 4 %
+    object_spread_m: float = 0.1  # the measured point wanders over the thing's surface
+    no_depth_range_m: float = 2.5  # without depth a thing is somewhere before the camera: half way
+    # Default profile, tier 2: log-likelihood ratios against "a thing not seen before"
+    space_m3: float = 200.0  # a new thing may be anywhere in a flat of this size (80 m2 x 2.5 m)
+    outlier_dof: float = 5.0  # Student's t: depth through a chair's back, localisation that lags
+    # Similarity is the cosine of square-root histograms (Bhattacharyya): views of one thing share
+    # most of their colours, others little beyond the background. Where both are as likely, how
+    # fast the evidence grows, and its bounds: no look alone may outvote place and name together.
+    look_even: float = 0.6
+    look_slope: float = 14.0
+    look_most: float = 3.0
+    look_least: float = -6.0
+    confusion: float = 0.08  # share of detections that carry a wrong category
+    category_prior: float = 2.0  # pseudo-counts with which a category's frequency starts
+    new_thing_odds: float = 0.0  # log-odds of "new" against "known", all else equal
+    confirm_sightings: int = 2  # fewer views ever: tentative
+    # Default profile, tier 3: negative evidence, expiry, moves
+    view_margin: float = 0.1  # share of the picture's edge where a missing box proves nothing
+    detect_chance: float = 0.6  # of a present thing in one look, before anything is known of it
+    absent_odds: float = 3.0  # log-odds (20 to 1) at which a place counts as seen empty
+    seen_through_m: float = 0.3  # depth this far behind a thing's place: it is not there
+    expire_chances: int = 5  # looks in which a tentative thing may stay unseen
+    move_similarity: float = 0.85  # look of a thing before and after it was moved
+    move_lead: float = 0.05  # and by how much it must lead the second-best candidate
     # Sightings
     interval_gap_s: float = 600.0  # an interval closes after this long without a view
     max_interval_s: float = 3600.0  # storage limit; longer ones are split and joined on reading
-    # Default profile: see d3a/tier2.py for what each weighs
-    confirm_sightings: int = 2  # fewer views ever: tentative
     # Ingest
     checkpoint_frames: int = 100
     keyframe_max_side: int = 1280
     keyframe_quality: int = 85
     # Views (coverage)
     view_range_m: float = 5.0
+    view_step_m: float = 0.5  # a view goes on while the camera moves and turns less than this
+    view_turn_rad: float = 0.26  # 15 degrees
     # Answers
     together_m: float = 1.0
     near_m: float = 1.5
@@ -47,6 +86,14 @@ class Parameters:
     def to_json(self) -> dict[str, Any]:
         """Return every field by name, for the store's record of how it was filled."""
         return {f.name: getattr(self, f.name) for f in fields(self)}
+
+    def differences(self, recorded: Mapping[str, Any]) -> list[str]:
+        """Return the names of the fields that fill a store otherwise than `recorded` did."""
+        return [
+            f.name
+            for f in fields(self)
+            if f.name not in ANSWER_FIELDS and recorded.get(f.name, f.default) != getattr(self, f.name)
+        ]
 
 
 DEFAULT = Parameters()

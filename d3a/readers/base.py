@@ -23,6 +23,7 @@ class RecordingFacts:
     zone: IANA name, None where the recording does not say. frames: how many, None where unknown.
     classes: what the detector can recognise, () where unknown. embedding_model: of recorded
     embeddings. now: a fixed "now" in ISO form (the demo home). extra: fields kept in the store.
+    min_probability: below it the detector's words are noise; used where `Parameters` leaves it.
     """
 
     name: str
@@ -34,6 +35,7 @@ class RecordingFacts:
     now: str | None = None
     regions: Regions = field(default_factory=Regions)
     extra: Json = field(default_factory=dict)
+    min_probability: float = 0.0
 
 
 @dataclass(slots=True)
