@@ -1,0 +1,124 @@
+"""Pictures: decode, crop, the colour histogram, encode. The only user of OpenCV here.
+
+Pixels are RGB inside; OpenCV's BGR never leaves this module.
+"""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from d3a.model import BadInput, Box, Depth, Image
+
+Pixels = NDArray[np.uint8]
+HISTOGRAM_MODEL = "rgb-8x8x8"
+HISTOGRAM_DIM = 512
+MILLIMETRE_M = 0.001
+_MARKER = re.compile(rb"\xff[^\x00\xff\xd0-\xd7]")  # a JPEG marker but for stuffing and restarts
+_END, _SCAN = 0xD9, 0xDA
+
+
+def decode(image: Image) -> Pixels:
+    """Return the pixels (h, w, 3), RGB.
+
+    Raises BadInput for a file that is missing, is no picture, or ends too early: OpenCV decodes
+    half a JPEG without a word and paints the rest grey, which would poison a histogram.
+    """
+    if isinstance(image, np.ndarray):
+        return image
+    content = _content(image)
+    if is_cut(content):
+        raise BadInput("the picture is cut off: it has no end marker")
+    pixels = cv2.imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_COLOR)
+    if pixels is None:
+        raise BadInput("the file is not a picture that can be decoded")
+    return np.asarray(cv2.cvtColor(pixels, cv2.COLOR_BGR2RGB), dtype=np.uint8)
+
+
+def decode_depth(depth: Depth) -> NDArray[np.float32]:
+    """Return depth in metres (h, w), 0 where nothing was measured.
+
+    A PNG holds 16-bit millimetres (REP 118). Raises BadInput for a file that is missing, cut off,
+    or not 16-bit with one channel.
+    """
+    if isinstance(depth, np.ndarray):
+        return np.nan_to_num(depth, nan=0.0, posinf=0.0, neginf=0.0)
+    content = _content(depth)
+    if is_cut(content):
+        raise BadInput("the depth picture is cut off")
+    raw = cv2.imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_UNCHANGED)
+    if raw is None or raw.dtype != np.uint16 or raw.ndim != 2:
+        raise BadInput("depth must be a 16-bit PNG with one channel, in millimetres")
+    return np.asarray(raw, dtype=np.float32) * np.float32(MILLIMETRE_M)
+
+
+def _content(source: Path | bytes) -> bytes:
+    if isinstance(source, bytes):
+        return source
+    try:
+        return source.read_bytes()
+    except OSError as error:
+        raise BadInput(f"{source.name} cannot be read: {error.strerror}") from error
+
+
+def is_cut(content: bytes) -> bool:
+    """Say whether a JPEG or PNG ends before its end marker; other formats are never said to."""
+    if content.startswith(b"\x89PNG"):
+        return b"IEND" not in content[-64:]
+    if not content.startswith(b"\xff\xd8"):
+        return False
+    at = 2
+    while found := _MARKER.search(content, at):
+        marker = content[found.end() - 1]
+        if marker == _END:
+            return False
+        # A segment's length counts itself; a thumbnail's own end marker hides inside of one.
+        length = int.from_bytes(content[found.end() : found.end() + 2], "big")
+        at = found.end() + (length if marker != 0x01 else 0)
+    return True
+
+
+def crop(pixels: Pixels, box: Box) -> Pixels:
+    """Return the box's pixels (a view), at least one; the box must overlap the picture."""
+    height, width = pixels.shape[:2]
+    x1, y1 = min(max(int(box[0]), 0), width - 1), min(max(int(box[1]), 0), height - 1)
+    x2, y2 = min(max(round(box[2]), x1 + 1), width), min(max(round(box[3]), y1 + 1), height)
+    return pixels[y1:y2, x1:x2]
+
+
+def histogram(pixels: Pixels) -> NDArray[np.float32]:
+    """Return the `rgb-8x8x8` embedding (512,): raw pixel counts at unit length (L2).
+
+    Index 64 * (R // 32) + 8 * (G // 32) + B // 32. The paper compares raw counts by their cosine,
+    to which the length is nothing; and dividing by the sum gives each colour's share of the
+    pixels back, which is what a colour word is scored on.
+    """
+    counts = cv2.calcHist(
+        [np.ascontiguousarray(pixels)], [0, 1, 2], None, [8, 8, 8], [0, 256, 0, 256, 0, 256]
+    ).ravel()
+    return unit(np.asarray(counts, dtype=np.float32))
+
+
+def unit(counts: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Return a vector (d,) or the rows of a matrix (n, d) at unit length; zeros stay zeros."""
+    length = np.sqrt(np.sum(np.square(counts, dtype=np.float64), axis=-1, keepdims=True))
+    return np.asarray(counts / np.where(length > 0, length, 1.0), dtype=np.float32)
+
+
+def encode(pixels: Pixels, max_side: int, quality: int) -> bytes:
+    """Return a JPEG whose longer side is at most `max_side` pixels."""
+    height, width = pixels.shape[:2]
+    scale = max_side / max(height, width)
+    if scale < 1:
+        size = (max(1, round(width * scale)), max(1, round(height * scale)))
+        pixels = np.asarray(cv2.resize(pixels, size, interpolation=cv2.INTER_AREA), np.uint8)
+    fine, buffer = cv2.imencode(
+        ".jpg", cv2.cvtColor(pixels, cv2.COLOR_RGB2BGR), [cv2.IMWRITE_JPEG_QUALITY, quality]
+    )
+    if not fine:
+        raise BadInput(f"a picture of {width} x {height} cannot be encoded")
+    return bytes(buffer)
