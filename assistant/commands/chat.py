@@ -1,0 +1,70 @@
+"""`d3a chat`: the conversation, full screen or a line at a time."""
+
+from __future__ import annotations
+
+import sys
+from datetime import datetime, timedelta
+from typing import TYPE_CHECKING
+
+import click
+
+from assistant.options import now_of, opened, settings_of, settings_options
+from assistant.terminal import is_terminal, why_not_full_screen
+
+if TYPE_CHECKING:
+    from assistant.config import Settings
+    from assistant.session import Session
+    from d3a.store.base import Store
+
+
+@click.command("chat")
+@click.option("--plain", is_flag=True, help="A line at a time, for screen readers and pipes.")
+@settings_options
+@click.pass_context
+def command(context: click.Context, plain: bool = False) -> None:
+    """Open the chat over the store: ask, look at the pictures, see the places.
+
+    Without a terminal that can show it, the conversation is held a line at a time.
+    """
+    settings = settings_of(context)
+    with opened(settings) as store:
+        hold(session_of(settings, store), settings, plain=plain)
+
+
+def session_of(
+    settings: Settings, store: Store, *, title: str = "", suggestions: tuple[str, ...] = ()
+) -> Session:
+    """Return a session that asks `store`; its clock runs on unless `now` was fixed."""
+    from assistant.asking import ask, explain
+    from assistant.session import Session
+
+    opened_at, began = now_of(settings, store), settings.clock()
+    fixed = abs(opened_at - began) > timedelta(seconds=5)
+
+    def now() -> datetime:
+        return opened_at if fixed else opened_at + (settings.clock() - began)
+
+    sites = sorted({recording.site for recording in store.recordings() if recording.site})
+    return Session(
+        store=store,
+        ask=lambda text: ask(store, text, now=now()),
+        explain=lambda text: explain(store, text, now=now()).to_text(),
+        now=now,
+        title=title or ", ".join(sites) or "this home",
+        suggestions=suggestions,
+    )
+
+
+def hold(session: Session, settings: Settings, *, plain: bool = False) -> None:
+    """Hold the conversation: full screen where the terminal can, else line by line."""
+    why_not = why_not_full_screen()
+    if plain or why_not is not None:
+        from assistant.plain import talk
+
+        if not plain and not settings.quiet and is_terminal(sys.stderr):
+            click.echo(f"d3a: {why_not}, so the chat is held line by line", err=True)
+        talk(session, sys.stdin, sys.stdout, ask_for_lines=is_terminal(sys.stdin))
+        return
+    from assistant.ui.app import ChatApp
+
+    ChatApp(session, history=settings.history).run()

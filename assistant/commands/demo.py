@@ -1,0 +1,37 @@
+"""`d3a demo`: a home that ships with d3a, ingested once, then asked."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import click
+
+from assistant.commands.chat import hold, session_of
+from assistant.options import failures, opened, settings_of, settings_options
+from assistant.terminal import clean_lines, why_not_full_screen
+
+
+@click.command("demo")
+@click.option("--tour", is_flag=True, help="Ask five questions, print the answers, and leave.")
+@click.option("--plain", is_flag=True, help="Chat a line at a time.")
+@settings_options
+@click.pass_context
+def command(context: click.Context, tour: bool, plain: bool) -> None:
+    """Open the chat on a small home: the first minute with d3a.
+
+    The home is ingested into a store of its own, once. Without a terminal five questions are
+    asked and answered on standard output.
+    """
+    from assistant.demo import QUESTIONS, demo_store, tour_lines
+
+    settings = settings_of(context)
+    with failures():
+        uri = demo_store(settings, lambda line: click.echo(line, err=True))
+        settings = replace(settings, store=uri, store_from="the demo")
+        with opened(settings) as store:
+            session = session_of(settings, store, title="the demo home", suggestions=QUESTIONS)
+            if tour or (why_not_full_screen() is not None and not plain):
+                for line in tour_lines(session):
+                    click.echo(clean_lines(line))
+                return
+            hold(session, settings, plain=plain)

@@ -1,0 +1,38 @@
+"""`d3a explain`: what a question becomes, down to the store's own queries."""
+
+from __future__ import annotations
+
+import sys
+
+import click
+
+from assistant.exits import ExitCode
+from assistant.options import Failure, now_of, opened, settings_of, settings_options
+from assistant.terminal import clean_lines, json_line, speaks_unicode, well_formed
+
+
+@click.command("explain")
+@click.argument("question", nargs=-1, required=True)
+@click.option("--json", "as_json", is_flag=True, help="One JSON object.")
+@settings_options
+@click.pass_context
+def command(context: click.Context, question: tuple[str, ...], as_json: bool) -> None:
+    """Print the formal query, the plan and the store's native queries of QUESTION."""
+    from assistant.asking import explain
+    from grammar.errors import QuestionError
+
+    settings = settings_of(context)
+    with opened(settings) as store:
+        now = now_of(settings, store)
+        try:
+            explanation = explain(store, well_formed(" ".join(question)), now=now)
+        except QuestionError as error:
+            if as_json:
+                click.echo(json_line(error.to_json(), ascii_only=not speaks_unicode(sys.stdout)))
+                context.exit(ExitCode.QUESTION)
+            raise Failure(str(error), ExitCode.QUESTION) from error
+    if as_json:
+        record = explanation.to_json()
+        click.echo(json_line(record, ascii_only=not speaks_unicode(sys.stdout)))
+    else:
+        click.echo(clean_lines(explanation.to_text()))

@@ -1,0 +1,102 @@
+"""`d3a objects`: what is in OIc."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from datetime import UTC, datetime, timedelta, tzinfo
+from typing import TYPE_CHECKING
+
+import click
+
+from assistant.exits import ExitCode
+from assistant.options import opened, settings_of, settings_options, store_name, zone_for
+from assistant.terminal import json_line, speaks_unicode, table
+
+if TYPE_CHECKING:
+    from d3a.model import Json
+    from d3a.store.base import ObjectRecord, StayRecord, Store
+
+SCHEMA = 1
+
+
+@click.command("objects")
+@click.option("--json", "as_json", is_flag=True, help="A JSON object a line.")
+@click.option("--category", "categories", multiple=True, help="Only this one; may be repeated.")
+@settings_options
+@click.pass_context
+def command(context: click.Context, as_json: bool, categories: tuple[str, ...]) -> None:
+    """List the objects of the store: id, category, names, colours, weight, places, times."""
+    settings = settings_of(context)
+    with opened(settings) as store:
+        zone = zone_for(settings, store)
+        records = list(object_records(store, categories, zone))
+    if not records:
+        if not settings.quiet:
+            click.echo(f"no objects; store: {store_name(settings)}", err=True)
+        context.exit(ExitCode.NOTHING)
+    if as_json:
+        for record in records:
+            click.echo(json_line(record, ascii_only=not speaks_unicode(sys.stdout)))
+        return
+    rows = [["id", "category", "names", "colours", "weight", "places", "first seen", "last seen"]]
+    rows += [_row(record) for record in records]
+    click.echo("\n".join(table(rows, limits={1: 24, 2: 24, 3: 24})))
+
+
+def object_records(store: Store, categories: tuple[str, ...], zone: tzinfo) -> Iterator[Json]:
+    """Yield the record of each object, by category, heaviest first."""
+    stays: dict[str, list[StayRecord]] = {}
+    for stay in store.stays():
+        stays.setdefault(stay.object_id, []).append(stay)
+    chosen = store.objects(categories=categories or None)
+    for record in sorted(chosen, key=lambda o: (o.category, -o.weight, o.object_id)):
+        yield _record(record, stays.get(record.object_id, []), zone)
+
+
+def _record(thing: ObjectRecord, stays: list[StayRecord], zone: tzinfo) -> Json:
+    from d3a.colours import colour_words
+
+    def when(milliseconds: int) -> str:
+        moment = datetime(1970, 1, 1, tzinfo=UTC) + timedelta(milliseconds=milliseconds)
+        return moment.astimezone(zone).isoformat(timespec="seconds")
+
+    return {
+        "schema": SCHEMA,
+        "object_id": thing.object_id,
+        "category": thing.category,
+        "categories": {name: round(weight, 3) for name, weight in thing.categories},
+        "names": [{"word": name.word, "owner": name.owner} for name in thing.names],
+        "colours": [] if thing.embedding is None else list(colour_words(thing.embedding)),
+        "weight": round(thing.weight, 3),
+        "tentative": thing.tentative,
+        "places": [
+            {
+                "place": stay.place,
+                "position": None if stay.position is None else [round(v, 3) for v in stay.position],
+                "seen": stay.seen,
+                "first": when(stay.first_ms),
+                "last": when(stay.last_ms),
+            }
+            for stay in stays
+        ],
+        "first": when(thing.first_ms),
+        "last": when(thing.last_ms),
+    }
+
+
+def _row(record: Json) -> list[str]:
+    names = ", ".join(
+        f"{name['word']} of {name['owner']}" if name["owner"] else name["word"]
+        for name in record["names"]
+    )
+    return [
+        record["object_id"],
+        record["category"] + ("?" if record["tentative"] else ""),
+        names,
+        ", ".join(record["colours"]),
+        f"{record['weight']:.2f}",
+        str(len(record["places"])),
+        record["first"][:16].replace("T", " "),
+        record["last"][:16].replace("T", " "),
+    ]

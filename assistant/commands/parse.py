@@ -1,0 +1,100 @@
+"""`d3a parse`: the formal query of each question, without a store."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from datetime import datetime
+from typing import Any
+
+import click
+
+from assistant.exits import ExitCode
+from assistant.options import opened, settings_of, settings_options, store_was_named
+from assistant.terminal import clean, json_line, speaks_unicode, well_formed
+
+
+@click.command("parse")
+@click.argument("questions", nargs=-1)
+@click.option("--json", "as_json", is_flag=True, help="A JSON object a line.")
+@settings_options
+@click.pass_context
+def command(context: click.Context, questions: tuple[str, ...], as_json: bool) -> None:
+    """Print the formal query of each question.
+
+    With no question given they are read from standard input, a line each, and answered with a
+    line each. The status is 5 when any of them was not understood. Needs no store; with --store
+    the names and places of that store are known words, and its zone holds.
+    """
+    from grammar import parse
+    from grammar.errors import QuestionError
+
+    settings = settings_of(context)
+    status = ExitCode.OK
+    known: dict[str, Any] = {}
+    if store_was_named(context):
+        from assistant.asking import store_words
+
+        with opened(settings) as store:
+            known["words"] = store_words(store)
+            moment = _moment_of_store(settings, store)
+    else:
+        moment = settings.moment()
+    for text in map(well_formed, questions) if questions else stdin_lines():
+        try:
+            record = parse(text, now=moment, **known).to_json()
+        except QuestionError as error:  # one bad question must not stop the rest
+            record, status = error.to_json(), ExitCode.QUESTION
+        if as_json:
+            click.echo(json_line(record, ascii_only=not speaks_unicode(sys.stdout)))
+        else:
+            click.echo(readable(record))
+    context.exit(status)
+
+
+def _moment_of_store(settings: Any, store: Any) -> datetime:
+    from assistant.options import now_of
+
+    return now_of(settings, store)
+
+
+def stdin_lines() -> Iterator[str]:
+    """Yield the lines of standard input without their ends; bytes that are not UTF-8 replaced."""
+    for line in click.get_text_stream("stdin", encoding="utf-8", errors="replace"):
+        yield line.rstrip("\r\n")
+
+
+def readable(record: dict[str, Any]) -> str:
+    """Return a formal query, or an error object, in the words of a person's report."""
+    lines = [clean(record["text"])]
+    if "error" in record:
+        lines += [f"  {record['error']} at character {record['position']}: {record['message']}"]
+        return "\n".join(map(clean, lines))
+    lines += [f"  {record['form']}  {record['ask']}, {record['select']}  {record['formal']}"]
+    lines += [f"  {term['var']}: {_term(term)}" for term in record["objects"]]
+    if record["relation"]:
+        lines += [
+            "  relation: " + ("not " * record["relation"]["negated"]) + record["relation"]["kind"]
+        ]
+    if record["place"]:
+        lines += [f"  place: {record['place']}"]
+    if record["time"]:
+        lines += [f"  time: {record['time']['start'] or '...'} to {record['time']['end'] or '...'}"]
+    if record["negated"]:
+        lines += ["  negated"]
+    return "\n".join(map(clean, lines))
+
+
+def _term(term: dict[str, Any]) -> str:
+    words = [*term["attributes"], term["category"]]
+    if term["word"] != term["category"]:
+        words.append(f"(said: {term['word']})")
+    words += [f"not {word}" for word in term["without"]]
+    if term["owner"]:
+        words.append(f"of {term['owner']}")
+    if term["quantity"] is not None:
+        words.append(f"x {term['quantity']}")
+    if term["where"]:
+        kind = ("not " * term["where"]["negated"]) + term["where"]["kind"]
+        words.append(f"{kind} {_term(term['where']['object'])}")
+    return " ".join(words)

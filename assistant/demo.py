@@ -1,0 +1,69 @@
+"""The demo home: ingest what ships with the product into a store of its own, once."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+from assistant.config import STORE_SCHEME, Settings, user_cache
+from assistant.session import Session
+from assistant.wording import answer_lines
+
+QUESTIONS = (
+    "Where are my keys?",
+    "When were the cup and the bowl seen together?",
+    "Where was the phone yesterday evening?",
+    "Did you ever see a bicycle?",
+    "How many cups are in the kitchen?",
+)
+"""The title's own, a Q2, a Q3, an honest no, and a count."""
+
+
+def demo_store(settings: Settings, tell: Callable[[str], None]) -> str:
+    """Return the URI of the filled demo store, filling it where it is not there yet.
+
+    The file's name holds a digest of the recording and the parameters, so that a new release
+    fills anew. It is filled beside its place and then renamed: an interrupted run leaves nothing
+    that looks whole. Raises StoreError, BadInput and SettingsError.
+    """
+    from d3a.ingest import ingest
+    from d3a.readers.opening import open_source
+
+    from assistant.home.folder import recording_folder
+    from d3a.parameters import DEFAULT
+    from d3a.store import open_store
+
+    folder = recording_folder()
+    digest = hashlib.sha256(repr(DEFAULT).encode())
+    for name in ("recording.json", "frames.jsonl", "detections.jsonl"):
+        digest.update((folder / name).read_bytes())
+    path = user_cache() / f"demo-{digest.hexdigest()[:12]}.db"
+    if not path.exists():
+        if not settings.quiet:
+            tell("Filling the demo home's memory, once ...")
+        draft = path.with_name(f"{path.stem}-{os.getpid()}.draft")
+        store = open_store(STORE_SCHEME + str(draft))
+        try:
+            ingest(open_source(folder), store, DEFAULT)
+        finally:
+            store.close()
+        draft.replace(path)
+        _remove_others(path)
+    return STORE_SCHEME + str(path)
+
+
+def _remove_others(path: Path) -> None:
+    """Remove the stores that earlier releases filled."""
+    for other in path.parent.glob("demo-*.db*"):
+        if not other.name.startswith(path.name):
+            other.unlink(missing_ok=True)
+
+
+def tour_lines(session: Session) -> Iterator[str]:
+    """Yield the demo's questions with their answers, for a README and for a machine."""
+    for question in QUESTIONS:
+        yield f"You: {question}"
+        yield "\n".join(answer_lines(session.safely(question), session.now()))
+        yield ""

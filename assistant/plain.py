@@ -1,0 +1,135 @@
+"""The chat a line at a time: for screen readers, pipes, TERM=dumb and bad links.
+
+No borders, no colours, no glyphs that a screen reader would spell; the cursor stays where the
+person types. The same session answers as in the full-screen chat.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import TextIO
+
+from assistant.session import Session, questions_for
+from assistant.terminal import clean, clean_lines
+from assistant.wording import keyframe_row, more_words
+from d3a.answer import Answer
+from d3a.store.base import StoreError
+
+HELP = """Type a question, and Enter. Also:
+  1, 2, 3 ...   more of that answer's keyframe
+  more          the rest of the list
+  why           why this answer
+  help          these lines
+  quit          leave; so does the end of the input"""
+SHOWN = 3
+
+
+class PlainChat:
+    """A conversation over two text streams; holds the last answer, for `more`, `why` and 1 to 9."""
+
+    def __init__(self, session: Session, say: Callable[[str], None]) -> None:
+        self._session = session
+        self._say = say
+        self._answer: Answer | None = None
+
+    def welcome(self) -> None:
+        """Say whose memory this is and what may be asked."""
+        self._say(f"The memory of {clean(self._session.title)}. Type a question, help or quit.")
+        for question in questions_for(self._session):
+            self._say(f"For example: {clean(question)}")
+
+    def hear(self, line: str) -> bool:
+        """Answer one line; False when the person is done."""
+        text = clean(line).strip()
+        command = text.lower().lstrip("/")
+        if command in ("quit", "exit"):
+            return False
+        if command == "help":
+            self._say(HELP)
+        elif command == "more":
+            self._list(SHOWN)
+        elif command == "why":
+            self._why()
+        elif command.isascii() and command.isdigit():
+            self._details(int(command))
+        elif text:
+            self._reply(text)
+        return True
+
+    def _reply(self, text: str) -> None:
+        answer = self._session.safely(text)
+        self._answer = answer
+        self._say(f"You: {text}")
+        self._say(f"Answer: {clean(answer.answer or answer.message or '')}")
+        if answer.message and answer.answer and answer.message != answer.answer:
+            self._say(f"Reason: {clean(answer.message)}")
+        self._list(0, SHOWN)
+        for suggestion in answer.suggestions:
+            self._say(f"Did you mean: {clean(suggestion)}")
+
+    def _list(self, first: int, last: int | None = None) -> None:
+        keyframes = self._answer.keyframes if self._answer else ()
+        now = self._session.now()
+        for keyframe in keyframes[first:last]:
+            row = ", ".join(keyframe_row(keyframe, now))
+            self._say(f"{keyframe.rank} of {len(keyframes)}: {row}")
+        if last is not None and len(keyframes) > last:
+            self._say(f"{len(keyframes) - last} more: type more")
+        if first and len(keyframes) <= first:
+            self._say("There is no more.")
+        elif last is None and self._answer is not None and self._answer.truncated:
+            self._say(more_words(self._answer))
+
+    def _details(self, rank: int) -> None:
+        keyframes = self._answer.keyframes if self._answer else ()
+        if not 1 <= rank <= len(keyframes):
+            self._say(f"There is no {rank}; the list has {len(keyframes)}.")
+            return
+        keyframe = keyframes[rank - 1]
+        self._say(
+            f"{rank} of {len(keyframes)}: {', '.join(keyframe_row(keyframe, self._session.now()))}"
+        )
+        self._say(f"Frame {clean(keyframe.frame)}, object {clean(keyframe.object_id)}.")
+
+    def _why(self) -> None:
+        if self._answer is None:
+            self._say("Ask a question first.")
+            return
+        try:
+            explanation = self._session.explain(self._answer.text)
+        except StoreError as error:
+            explanation = str(error)
+        self._say(clean_lines(explanation))
+
+
+def lines_of(stream: TextIO, prompt: Callable[[], None]) -> Iterator[str]:
+    """Yield the lines of `stream`, after `prompt` was called for each."""
+    while True:
+        prompt()
+        line = stream.readline()
+        if not line:
+            return
+        yield line
+
+
+def talk(session: Session, stdin: TextIO, stdout: TextIO, *, ask_for_lines: bool) -> None:
+    """Hold a conversation until `quit` or the end of the input.
+
+    ask_for_lines: print a prompt, where a person types.
+    """
+
+    def say(line: str) -> None:
+        stdout.write(line + "\n")
+        stdout.flush()
+
+    def prompt() -> None:
+        if ask_for_lines:
+            stdout.write("Ask: ")
+            stdout.flush()
+
+    chat = PlainChat(session, say)
+    if ask_for_lines:
+        chat.welcome()
+    for line in lines_of(stdin, prompt):
+        if not chat.hear(line):
+            return

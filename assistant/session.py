@@ -1,0 +1,105 @@
+"""What a conversation needs, with or without a full screen: a store, and a way to ask it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+from datetime import datetime
+from typing import TYPE_CHECKING
+
+from d3a.answer import Answer
+from d3a.store.base import StoreError
+
+if TYPE_CHECKING:
+    from d3a.store.base import Store
+
+Ask = Callable[[str], Answer]
+
+
+@dataclass(frozen=True, slots=True)
+class Session:
+    """A store and the functions that answer from it, bound to it.
+
+    ask: a question's answer. explain: its formal query, plan and native queries, as text.
+    now: the moment to ask at, in the home's zone: a function, as a chat lasts. title: of the home.
+    """
+
+    store: Store = field(repr=False)
+    ask: Ask
+    explain: Callable[[str], str]
+    now: Callable[[], datetime]
+    title: str = "home"
+    suggestions: tuple[str, ...] = ()
+
+    def safely(self, text: str) -> Answer:
+        """Ask, and let a failing store be an answer: a chat goes on after it."""
+        try:
+            return self.ask(text)
+        except StoreError as error:
+            return Answer(
+                text=text,
+                status="error",
+                answer="I cannot reach my memory just now. Ask again in a moment.",
+                message=str(error),
+            )
+
+
+def known_words(store: Store) -> tuple[str, ...]:
+    """Return what the store can be asked about, commonest first: categories, names, places."""
+    categories = sorted(store.categories(), key=lambda pair: (-pair[1], pair[0]))
+    named = {name.word for thing in store.objects() for name in thing.names}
+    return (
+        *(category for category, _ in categories),
+        *sorted(named),
+        *(region.name for region in store.regions()),
+    )
+
+
+def questions_for(session: Session, count: int = 5) -> tuple[str, ...]:
+    """Return questions that this store can answer, one of each kind, each of them tried.
+
+    The kinds are the paper's (objects, relations, places and times), the last place, and one
+    about a thing that was never seen, as the honest no is worth seeing too.
+    """
+    if session.suggestions:
+        return session.suggestions[:count]
+    kept: list[str] = []
+    for choices in _candidates(session.store):
+        for question in choices:
+            if question not in kept and session.safely(question).status == "found":
+                kept.append(question)
+                break
+    return tuple(kept[:count])
+
+
+def _candidates(store: Store) -> Iterator[Sequence[str]]:
+    """Yield, for each kind of question, some that may be answerable, the likeliest first."""
+    small = [name for name, _ in _by_interest(store)]
+    yield [f"Where is the {name}?" for name in small[:4]]
+    pairs = _pairs(store)
+    yield [f"When were the {a} and the {b} seen together?" for a, b in pairs[:4]]
+    yield [f"When did you last see the {name}?" for name in small[1:5]]
+    yield [f"How many {name}s did you see?" for name in small[:4] if not name.endswith("s")]
+    yield [f"Did you ever see a {name}?" for name in small[2:6]]
+
+
+def _by_interest(store: Store) -> list[tuple[str, int]]:
+    """Return (category, places), things that lie in several places first: those get lost."""
+    category = {thing.object_id: thing.category for thing in store.objects()}
+    places: dict[str, int] = {}
+    for stay in store.stays():
+        if stay.object_id in category:
+            places[category[stay.object_id]] = places.get(category[stay.object_id], 0) + 1
+    return sorted(places.items(), key=lambda pair: (-pair[1], pair[0]))
+
+
+def _pairs(store: Store) -> list[tuple[str, str]]:
+    """Return pairs of different categories that were seen together, the oftenest first."""
+    category = {thing.object_id: thing.category for thing in store.objects()}
+    counted: dict[tuple[str, str], int] = {}
+    for encounter in store.encounters():
+        a, b = category.get(encounter.object_a), category.get(encounter.object_b)
+        if a is not None and b is not None and a != b:
+            pair = (a, b) if a < b else (b, a)
+            counted[pair] = counted.get(pair, 0) + encounter.seen
+    return [pair for pair, _ in sorted(counted.items(), key=lambda item: (-item[1], item[0]))]

@@ -1,0 +1,129 @@
+"""Short words for times, places and how sure: the rows of a table, a list and a map.
+
+The sentence of an answer is composed in `reply`; this is what stands beside it, and it is the
+same in the chat, in line mode and on the command line.
+"""
+
+from __future__ import annotations
+
+from datetime import UTC, datetime, timedelta
+from typing import TYPE_CHECKING
+
+from assistant.terminal import clean, table
+
+if TYPE_CHECKING:
+    from d3a.answer import Answer, RankedKeyframe
+
+WEEKDAYS = ("Mon", "Tue", "Wed", "Thu", "Fri", "Sat", "Sun")
+MONTHS = ("Jan", "Feb", "Mar", "Apr", "May", "Jun", "Jul", "Aug", "Sep", "Oct", "Nov", "Dec")
+FAIRLY_SURE, NOT_SURE = 0.5, 0.25
+"""Scores are probabilities: "fairly sure" is more likely right than wrong."""
+
+
+def short_time(moment: datetime, now: datetime) -> str:
+    """Return the clock time and the day as `now` would call it: "9:42 today", "17:05 Fri".
+
+    Both are said in the zone of `now`; days are calendar days of that zone.
+    """
+    local = moment.astimezone(now.tzinfo)
+    clock = f"{local.hour}:{local.minute:02d}"
+    days = (now.date() - local.date()).days
+    if days == 0:
+        return f"{clock} today"
+    if days == 1:
+        return f"{clock} yesterday"
+    if 1 < days < 7:
+        return f"{clock} {WEEKDAYS[local.weekday()]}"
+    date = f"{local.day} {MONTHS[local.month - 1]}"
+    return f"{clock} {date}" if local.year == now.year else f"{clock} {date} {local.year}"
+
+
+def ago(moment: datetime, now: datetime) -> str:
+    """Return how long ago `moment` was, in one unit: "8 min ago", "9 hours ago".
+
+    Elapsed time, so a change of the clocks in between does not count.
+    """
+    seconds = (now.astimezone(UTC) - moment.astimezone(UTC)).total_seconds()
+    if seconds < 0:
+        return "in the future"
+    if seconds < 60:
+        return "just now"
+    for unit, length, limit in (("min", 60, 3600), ("hour", 3600, 86400 * 2), ("day", 86400, None)):
+        if limit is None or seconds < limit:
+            count = int(seconds // length)
+            return f"{count} {unit}{'s' if count != 1 and unit != 'min' else ''} ago"
+    raise AssertionError("unreachable: the last unit has no limit")
+
+
+def place_words(keyframe: RankedKeyframe) -> str:
+    """Return where a keyframe's object was: the room, the landmark beside it, else metres."""
+    parts = []
+    if keyframe.place:
+        parts.append(keyframe.place)
+    if keyframe.near:
+        parts.append(f"by the {keyframe.near}")
+    if not parts and keyframe.position is not None:
+        x, y, _ = keyframe.position
+        return f"x {x:.1f} m, y {y:.1f} m"
+    return ", ".join(parts) or "place unknown"
+
+
+def how_sure(keyframe: RankedKeyframe) -> str:
+    """Return the band of the score, in words: never a bare number for a person."""
+    if keyframe.score >= FAIRLY_SURE:
+        return "fairly sure"
+    return "not sure" if keyframe.score >= NOT_SURE else "a guess"
+
+
+def seen_words(keyframe: RankedKeyframe) -> str:
+    """Return how often the object was seen in that interval."""
+    return "seen once" if keyframe.seen == 1 else f"seen {keyframe.seen} times"
+
+
+def keyframe_row(keyframe: RankedKeyframe, now: datetime) -> tuple[str, ...]:
+    """Return category, time, place, how sure, seen: the columns of a row, data made harmless."""
+    return (
+        clean(keyframe.category),
+        short_time(keyframe.end, now),
+        clean(place_words(keyframe)),
+        how_sure(keyframe),
+        seen_words(keyframe),
+    )
+
+
+def more_words(answer: Answer) -> str:
+    """Return what lies below the best keyframe, and whether the list was cut."""
+    below = len(answer.keyframes) - 1
+    words = f"{below} more below." if below > 0 else ""
+    if answer.truncated:
+        words += f" The list stops at {len(answer.keyframes)}; there are more."
+    return words.strip()
+
+
+def answer_lines(answer: Answer, now: datetime) -> list[str]:
+    """Return an answer as lines: the sentence, the ranked keyframes as a table, a way on."""
+    lines = [answer.answer or answer.message or ""]
+    if answer.message and answer.message != answer.answer and answer.answer:
+        lines.append(answer.message)
+    if answer.keyframes:
+        header = ["#", "what", "last seen", "where", "how sure", "views", "score", "frame"]
+        rows = [
+            [
+                str(keyframe.rank),
+                *keyframe_row(keyframe, now),
+                f"{keyframe.score:.2f}",
+                keyframe.frame,
+            ]
+            for keyframe in answer.keyframes
+        ]
+        lines += ["", *table([header, *rows], limits={1: 24, 3: 34, 7: 24})]
+        if answer.truncated:
+            lines.append(f"(the first {len(answer.keyframes)}; --limit shows more)")
+    lines += [f"Did you mean: {clean(suggestion)}" for suggestion in answer.suggestions]
+    return lines
+
+
+def from_ms(milliseconds: int, now: datetime) -> datetime:
+    """Return a store's time as a datetime in the zone of `now`."""
+    moment = datetime(1970, 1, 1, tzinfo=UTC) + timedelta(milliseconds=milliseconds)
+    return moment.astimezone(now.tzinfo)
