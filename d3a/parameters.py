@@ -53,7 +53,10 @@ class Parameters:
     look_most: float = 3.0
     look_least: float = -6.0
     confusion: float = 0.08  # share of detections that carry a wrong category
-    category_prior: float = 2.0  # pseudo-counts with which a category's frequency starts
+    category_prior: float = 2.0  # pseudo-counts with which a category's frequency starts,
+    category_kinds: float = 20.0  # as if so many kinds of things were about
+    gate_sigmas: float = 5.0  # what is farther off than this is not compared
+    looks_remembered: float = 30.0  # a look is the mean of about so many views; light changes
     new_thing_odds: float = 0.0  # log-odds of "new" against "known", all else equal
     confirm_sightings: int = 2  # fewer views ever: tentative
     # Default profile, tier 3: negative evidence, expiry, moves
@@ -92,7 +95,8 @@ class Parameters:
         return [
             f.name
             for f in fields(self)
-            if f.name not in ANSWER_FIELDS and recorded.get(f.name, f.default) != getattr(self, f.name)
+            if f.name not in ANSWER_FIELDS
+            and recorded.get(f.name, f.default) != getattr(self, f.name)
         ]
 
 

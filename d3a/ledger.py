@@ -1,0 +1,195 @@
+"""A store with the writes on top that are not in it yet.
+
+The tiers read through the ledger, so that what they see does not depend on when the last
+checkpoint was: an ingest that was interrupted, or asked for progress more often, fills the store
+just as another does.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+from d3a.store.base import (
+    Area,
+    Encounter,
+    ObjectRecord,
+    Sighting,
+    StayKey,
+    StayRecord,
+    Store,
+    View,
+)
+
+EncounterKey = tuple[str, str, int, int, int]
+SightingKey = tuple[str, int, int]
+
+
+def encounter_key(encounter: Encounter) -> EncounterKey:
+    """Return the key under which a store holds the encounter."""
+    e = encounter
+    return e.object_a, e.object_b, e.place_a, e.place_b, e.start_ms
+
+
+class Ledger:
+    """Reads like the store will after the next batch; gives that batch's records."""
+
+    def __init__(self, store: Store) -> None:
+        self._store = store
+        self.clear()
+
+    def clear(self) -> None:
+        """Forget the writes: they were applied."""
+        self._objects: dict[str, ObjectRecord] = {}
+        self._stays: dict[StayKey, StayRecord] = {}
+        self._sightings: dict[SightingKey, Sighting] = {}
+        self._encounters: dict[EncounterKey, Encounter] = {}
+        self._views: list[View] = []
+        self._gone_objects: set[str] = set()
+        self._gone_stays: set[StayKey] = set()
+        self._gone_sightings: set[SightingKey] = set()
+        self._gone_encounters: set[EncounterKey] = set()
+
+    def batch_fields(self) -> dict[str, Any]:
+        """Return the writes by the names of `Batch`, each kind in the order of its keys."""
+        return {
+            "objects": [self._objects[k] for k in sorted(self._objects)],
+            "stays": [self._stays[k] for k in sorted(self._stays)],
+            "sightings": [self._sightings[k] for k in sorted(self._sightings)],
+            "encounters": [self._encounters[k] for k in sorted(self._encounters)],
+            "views": list(self._views),
+            "removed_objects": sorted(self._gone_objects),
+            "removed_stays": sorted(self._gone_stays),
+            "removed_sightings": sorted(self._gone_sightings),
+            "removed_encounters": sorted(self._gone_encounters),
+        }
+
+    # writes
+    def put_object(self, record: ObjectRecord) -> None:
+        """Put an object, whatever was there."""
+        self._objects[record.object_id] = record
+
+    def put_stay(self, record: StayRecord) -> None:
+        """Put a stay, whatever was there."""
+        self._stays[record.key] = record
+
+    def put_sighting(self, record: Sighting) -> None:
+        """Put a sighting, whatever was there."""
+        self._sightings[(*record.stay, record.start_ms)] = record
+
+    def put_encounter(self, record: Encounter) -> None:
+        """Put an encounter, whatever was there."""
+        self._encounters[encounter_key(record)] = record
+
+    def put_view(self, record: View) -> None:
+        """Put a view, whatever was there."""
+        self._views.append(record)
+
+    def remove_object(self, object_id: str) -> None:
+        """Remove an object with its stays, sightings and encounters."""
+        self._gone_objects.add(object_id)
+        self._objects.pop(object_id, None)
+        self._forget(lambda stay: stay[0] == object_id)
+
+    def remove_stay(self, stay: StayKey) -> None:
+        """Remove a stay with its sightings and encounters."""
+        self._gone_stays.add(stay)
+        self._forget(lambda each: each == stay)
+
+    def remove_sighting(self, record: Sighting) -> None:
+        """Remove a sighting."""
+        key = (*record.stay, record.start_ms)
+        self._gone_sightings.add(key)
+        self._sightings.pop(key, None)
+
+    def remove_encounter(self, record: Encounter) -> None:
+        """Remove an encounter."""
+        key = encounter_key(record)
+        self._gone_encounters.add(key)
+        self._encounters.pop(key, None)
+
+    def _forget(self, matches: Any) -> None:
+        self._stays = {k: r for k, r in self._stays.items() if not matches(k)}
+        self._sightings = {k: r for k, r in self._sightings.items() if not matches(r.stay)}
+        self._encounters = {
+            k: r
+            for k, r in self._encounters.items()
+            if not matches((r.object_a, r.place_a)) and not matches((r.object_b, r.place_b))
+        }
+
+    # reads
+    def objects(
+        self, *, ids: Sequence[str] | None = None, categories: Sequence[str] | None = None
+    ) -> list[ObjectRecord]:
+        """Return objects by id, as `Store.objects`."""
+        stored = self._store.objects(ids=ids, categories=categories)
+        kept = {r.object_id: r for r in stored if r.object_id not in self._gone_objects}
+        for object_id in kept.keys() & self._objects.keys():
+            del kept[object_id]  # its category may have changed: judge the newer record
+        kept |= {
+            object_id: record
+            for object_id, record in self._objects.items()
+            if (ids is None or object_id in ids)
+            and (categories is None or record.category in categories)
+        }
+        return [kept[object_id] for object_id in sorted(kept)]
+
+    def stays(
+        self, *, object_ids: Sequence[str] | None = None, area: Area | None = None
+    ) -> list[StayRecord]:
+        """Return stays by (object_id, place), as `Store.stays`."""
+        stored = self._store.stays(object_ids=object_ids, area=area)
+        kept = {r.key: r for r in stored if not self._is_gone(r.key) and r.key not in self._stays}
+        for key, record in self._stays.items():
+            if (object_ids is None or key[0] in object_ids) and _within(record, area):
+                kept[key] = record
+        return [kept[key] for key in sorted(kept)]
+
+    def sightings(
+        self, object_ids: Sequence[str], start_ms: int | None = None, end_ms: int | None = None
+    ) -> list[Sighting]:
+        """Return sightings by (start, object_id, place) that touch [start, end]."""
+        stored = self._store.sightings(object_ids=object_ids, start_ms=start_ms, end_ms=end_ms)
+        kept: dict[SightingKey, Sighting] = {}
+        for record in stored:
+            key = (*record.stay, record.start_ms)
+            if not self._is_gone(record.stay) and key not in self._gone_sightings:
+                kept[key] = record
+        for key, record in self._sightings.items():
+            kept.pop(key, None)
+            late = start_ms is not None and record.end_ms < start_ms
+            early = end_ms is not None and record.start_ms > end_ms
+            if record.object_id in object_ids and not late and not early:
+                kept[key] = record
+        return sorted(kept.values(), key=lambda r: (r.start_ms, *r.stay))
+
+    def encounters(self, object_id: str) -> list[Encounter]:
+        """Return the encounters of an object, by their keys."""
+        kept: dict[EncounterKey, Encounter] = {}
+        for record in self._store.encounters(object_ids=[object_id]):
+            a, b = (record.object_a, record.place_a), (record.object_b, record.place_b)
+            key = encounter_key(record)
+            if not (self._is_gone(a) or self._is_gone(b) or key in self._gone_encounters):
+                kept[key] = record
+        kept |= {k: r for k, r in self._encounters.items() if object_id in k[:2]}
+        return [kept[key] for key in sorted(kept)]
+
+    def _is_gone(self, stay: StayKey) -> bool:
+        return stay in self._gone_stays or stay[0] in self._gone_objects
+
+
+def _within(record: StayRecord, area: Area | None) -> bool:
+    if area is None:
+        return True
+    if record.position is None:
+        return False
+    x, y, _ = record.position
+    return area.x_min <= x <= area.x_max and area.y_min <= y <= area.y_max
+
+
+def grouped(sightings: Iterable[Sighting]) -> dict[StayKey, list[Sighting]]:
+    """Return sightings by their stay."""
+    by_stay: dict[StayKey, list[Sighting]] = {}
+    for record in sightings:
+        by_stay.setdefault(record.stay, []).append(record)
+    return by_stay

@@ -1,0 +1,135 @@
+"""Default profile: how much more likely a detection is of a known thing than of a new one.
+
+Natural log-likelihood ratios of position, look and category, added up. Zero is "as likely as
+not"; each part says nothing (0) where its input is missing, and none can outvote all others.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from d3a.parameters import Parameters
+
+Floats = NDArray[np.float64]
+Features = NDArray[np.float32]
+
+
+def position_ratio(squared: Floats, determinant: Floats, parameters: Parameters) -> Floats:
+    """Return the evidence of place from squared Mahalanobis distance and |S|, m^6, alike shaped.
+
+    Student's t, for outliers, against "anywhere in the home". Where the position could be nearly
+    anywhere itself (S as large as the home) its peak says nothing, and only the distance counts:
+    so the gates follow the covariance, and look and category decide where positions are useless.
+    """
+    dof = parameters.outlier_dof
+    tail = -(dof + 3) / 2 * np.log1p(squared / dof)
+    volume = np.sqrt(np.maximum(determinant, 1e-18)) * (2 * math.pi) ** 1.5
+    return np.asarray(tail + np.maximum(0.0, np.log(parameters.space_m3 / volume)))
+
+
+def look_ratio(similarity: Floats, parameters: Parameters) -> Floats:
+    """Return the evidence of look from cosines of features, clipped at both ends."""
+    raw = parameters.look_slope * (similarity - parameters.look_even)
+    return np.clip(raw, parameters.look_least, parameters.look_most)
+
+
+def feature(embedding: NDArray[np.float32], is_histogram: bool) -> Features:
+    """Return the vector (d,), unit length, whose dot product is the likeness of two looks.
+
+    Of a histogram the square root of each colour's share (then the product is Bhattacharyya's
+    coefficient: one dominant colour of the background cannot decide alone); else the embedding.
+    """
+    if not is_histogram:
+        return embedding
+    mass = np.maximum(embedding, 0.0)
+    total = float(mass.sum())
+    return np.sqrt(mass / total).astype(np.float32) if total > 0 else mass
+
+
+def embedding_of(look: Features, is_histogram: bool) -> NDArray[np.float32]:
+    """Return the embedding (d,), unit length, that a mean feature stands for."""
+    values = np.square(look, dtype=np.float64) if is_histogram else look.astype(np.float64)
+    length = float(np.sqrt(np.sum(values**2)))
+    return (values / length if length > 0 else values).astype(np.float32)
+
+
+@dataclass(slots=True)
+class CategoryModel:
+    """How often each category is named, and so how much an agreement on it is worth."""
+
+    parameters: Parameters
+    counts: Counter[str] = field(default_factory=Counter)
+
+    def add(self, category: str) -> None:
+        """Count a detection."""
+        self.counts[category] += 1
+
+    def frequency(self, category: str) -> float:
+        """Return the share of detections with this category, smoothed; never 0."""
+        prior, kinds = self.parameters.category_prior, self.parameters.category_kinds
+        total = self.counts.total() + prior * kinds
+        return (self.counts[category] + prior) / total
+
+    def ratio(self, category: str, votes: Mapping[str, float]) -> float:
+        """Return the evidence of a category, given what a thing was called before.
+
+        A share `confusion` of detections carries a wrong category, drawn by frequency.
+        """
+        common = self.frequency(category)
+        total = sum(votes.values())
+        share = votes.get(category, 0.0) / total if total > 0 else common
+        wrong = self.parameters.confusion
+        return math.log(((1 - wrong) * share + wrong * common) / common)
+
+    def ratios(
+        self, categories: Sequence[str], votes: Sequence[Mapping[str, float]]
+    ) -> Floats:
+        """Return the evidence of each detection's category for each thing, (n, m)."""
+        rows = [[self.ratio(category, each) for each in votes] for category in categories]
+        return np.array(rows, dtype=np.float64).reshape(len(categories), len(votes))
+
+
+def mahalanobis(residuals: Floats, covariances: Floats) -> tuple[Floats, Floats]:
+    """Return the squared distances and determinants for residuals (..., 3) and S (..., 3, 3).
+
+    By the adjugate: NumPy's general inverse costs ten times as much on so many so small matrices.
+    """
+    s = covariances
+    a, b, c = s[..., 0, 0], s[..., 0, 1], s[..., 0, 2]
+    d, e, f = s[..., 1, 1], s[..., 1, 2], s[..., 2, 2]
+    aa, bb, cc = d * f - e * e, c * e - b * f, b * e - c * d
+    dd, ee, ff = a * f - c * c, b * c - a * e, a * d - b * b
+    determinant = a * aa + b * bb + c * cc
+    x, y, z = residuals[..., 0], residuals[..., 1], residuals[..., 2]
+    quadratic = aa * x * x + dd * y * y + ff * z * z + 2 * (bb * x * y + cc * x * z + ee * y * z)
+    safe = np.maximum(determinant, 1e-18)
+    return quadratic / safe, safe
+
+
+def assign(scores: Floats, new_score: float) -> list[int]:
+    """Return for each row of scores (n, m) the column it goes to, or -1 for a new thing.
+
+    The assignment with the largest sum, where each column is taken once at most and "new" is
+    always free at `new_score`. No row goes to a column that scores less than "new".
+    """
+    n, m = scores.shape
+    if n == 0 or m == 0:
+        return [-1] * n
+    gain = np.maximum(scores - new_score, 0.0)
+    if n == 1:
+        best = int(gain[0].argmax())
+        return [best if gain[0, best] > 0 else -1]
+    from scipy.optimize import linear_sum_assignment  # a fifth of a second to import
+
+    rows, columns = linear_sum_assignment(gain, maximize=True)
+    taken = [-1] * n
+    for row, column in zip(rows.tolist(), columns.tolist(), strict=True):
+        if gain[row, column] > 0:
+            taken[row] = column
+    return taken

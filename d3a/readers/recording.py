@@ -1,0 +1,222 @@
+"""A recording as a folder: frames, detections and embeddings that somebody else made.
+
+`recording.json`, `frames.jsonl`, `detections.jsonl` (optional: then a detector is needed),
+`embeddings.npy` (optional). `truth.jsonl` is never read.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from d3a.images import unit
+from d3a.model import BadInput, Camera, Detection, Frame, Json, Pose
+from d3a.readers import parsing
+from d3a.readers.base import RecordingFacts, Regions, Skipped
+
+FACTS = "recording.json"
+FRAMES = "frames.jsonl"
+DETECTIONS = "detections.jsonl"
+EMBEDDINGS = "embeddings.npy"
+SCHEMA = 1
+_FACTS_KNOWN = frozenset(
+    {"schema", "recording", "site", "zone", "camera", "embedding", "map"}
+    | {"now", "regions", "classes"}
+)
+_FRAME_KNOWN = frozenset(["frame", "time", "pose", "pose_covariance", "image", "depth"])
+_DETECTION_KNOWN = frozenset(
+    {"frame", "category", "probability", "box", "position", "embedding", "covariance"}
+)
+
+
+def looks_like(folder: Path) -> bool:
+    """Say whether the folder has this format's two files."""
+    return (folder / FACTS).is_file() and (folder / FRAMES).is_file()
+
+
+class RecordingReader:
+    """Frames of a recording folder, in the order of its file."""
+
+    looked_for = f"{FACTS} and {FRAMES}"
+
+    def __init__(self, folder: Path, *, zone: str | None = None) -> None:
+        self._folder = folder
+        self.skipped = Skipped()
+        self._record = self._read_facts()
+        self._camera = _camera(self._record.get("camera"))
+        embedding = self._record.get("embedding")
+        if embedding is not None and not isinstance(embedding, dict):
+            raise BadInput(f"{FACTS}: embedding must be an object with name and dim, or null")
+        self.facts = RecordingFacts(
+            name=self._text("recording") or folder.resolve().name,
+            site=self._text("site") or "",
+            zone=parsing.zone_of(zone or self._text("zone")),
+            frames=_line_count(folder / FRAMES),
+            classes=tuple(parsing.clean_text(str(c)) for c in self._record.get("classes") or ()),
+            embedding_model=str(embedding.get("name")) if embedding else None,
+            now=self._now(),
+            regions=_regions(self._record.get("regions") or ()),
+        )
+
+    def _read_facts(self) -> Json:
+        try:
+            record = json.loads((self._folder / FACTS).read_text(encoding="utf-8"))
+        except (OSError, ValueError) as error:
+            raise BadInput(f"{FACTS} is not JSON: {error}") from error
+        if not isinstance(record, dict) or record.get("schema") != SCHEMA:
+            raise BadInput(f"{FACTS} must be an object with schema {SCHEMA}")
+        return record
+
+    def _text(self, name: str) -> str | None:
+        value = self._record.get(name)
+        if value is not None and not isinstance(value, str):
+            raise BadInput(f"{FACTS}: {name} must be text, not {value!r}")
+        return parsing.clean_text(value) if value else None
+
+    def _now(self) -> str | None:
+        now = self._text("now")
+        if now is not None:
+            parsing.time_ms(now)
+        return now
+
+    def __iter__(self) -> Iterator[Frame]:
+        """Yield frames in the file's order; the ingest counts those that go back in time."""
+        self.skipped = Skipped()
+        parsing.warn_unknown(self._record, _FACTS_KNOWN, FACTS, self.skipped)
+        rows = self._detections()
+        for number, record in parsing.json_lines(self._folder / FRAMES, self.skipped):
+            parsing.warn_unknown(record, _FRAME_KNOWN, FRAMES, self.skipped)
+            try:
+                frame = self._frame(record, rows)
+            except BadInput as error:
+                self.skipped.add(parsing.BROKEN_FRAME, f"{FRAMES}:{number + 1} ({error})")
+            else:
+                yield frame
+        if rows is not None:
+            rows.count_left(self.skipped)
+
+    def _frame(self, record: Json, rows: parsing.Rows | None) -> Frame:
+        name = parsing.frame_name(record.get("frame"))
+        time_ms = parsing.time_ms(record.get("time"))
+        paths = {}
+        for field in ("image", "depth"):
+            path = parsing.inside(self._folder, record.get(field))
+            paths[field] = parsing.existing(path, self.skipped, str(record.get(field)))
+        return Frame(
+            name=name,
+            time_ms=time_ms,
+            pose=self._pose(record, name),
+            camera=self._camera,
+            image=paths["image"],
+            depth=paths["depth"],
+            detections=None if rows is None else rows.take(name),
+        )
+
+    def _pose(self, record: Json, name: str) -> Pose | None:
+        """Return the pose; a broken one is counted, and the frame goes on without."""
+        if record.get("pose") is None:
+            return None
+        try:
+            x, y, z, *turn = parsing.numbers(record["pose"], 7, "the pose")
+            given = record.get("pose_covariance")
+            covariance = None if given is None else parsing.numbers(given, 36, "its covariance")
+            return Pose((x, y, z), (turn[0], turn[1], turn[2], turn[3]), covariance)
+        except BadInput as error:
+            self.skipped.add("broken pose", f"{name} ({error})")
+            return None
+
+    def _detections(self) -> parsing.Rows | None:
+        path = self._folder / DETECTIONS
+        if not path.is_file():
+            return None
+        rows = parsing.Rows()
+        embeddings = self._embeddings()
+        for number, record in parsing.json_lines(path, self.skipped):
+            where = f"{DETECTIONS}:{number + 1}"
+            parsing.warn_unknown(record, _DETECTION_KNOWN, DETECTIONS, self.skipped)
+            try:
+                detection = self._detection(number, record, embeddings, where)
+                rows.add(parsing.frame_name(record.get("frame")), detection)
+            except BadInput as error:
+                self.skipped.add(parsing.BROKEN_DETECTION, f"{where} ({error})")
+        return rows
+
+    def _embeddings(self) -> NDArray[np.float32] | None:
+        path = self._folder / EMBEDDINGS
+        if not path.is_file():
+            return None
+        try:
+            matrix = np.load(path, mmap_mode="r", allow_pickle=False)
+        except (OSError, ValueError) as error:
+            raise BadInput(f"{EMBEDDINGS} is not an array of numbers: {error}") from error
+        if matrix.ndim != 2 or matrix.dtype != np.float32:
+            raise BadInput(
+                f"{EMBEDDINGS} must be float32 (n, dim), not {matrix.dtype} {matrix.shape}"
+            )
+        return np.asarray(matrix)
+
+    def _detection(
+        self, number: int, record: Json, embeddings: NDArray[np.float32] | None, where: str
+    ) -> Detection:
+        position = record.get("position")
+        covariance = record.get("covariance")
+        if position is not None:
+            x, y, z = parsing.numbers(position, 3, "the position")
+            position = (x, y, z)
+        if covariance is not None:
+            covariance = parsing.numbers(covariance, 9, "the covariance")
+        return Detection(
+            category=parsing.category_of(record.get("category"), self.skipped, where),
+            probability=parsing.number(record.get("probability"), "probability"),
+            box=parsing.box_of(record.get("box")),
+            position=position,
+            covariance=covariance,
+            embedding=_embedding(record.get("embedding"), embeddings),
+            row=number,
+        )
+
+
+def _embedding(row: Any, embeddings: NDArray[np.float32] | None) -> NDArray[np.float32] | None:
+    if row is None:
+        return None
+    if embeddings is None:
+        raise BadInput(f"it names an embedding, and there is no {EMBEDDINGS}")
+    if isinstance(row, bool) or not isinstance(row, int) or not 0 <= row < len(embeddings):
+        raise BadInput(f"embedding {row!r} is no row of {EMBEDDINGS}")
+    vector = np.array(embeddings[row])
+    if not np.isfinite(vector).all() or not vector.any():
+        raise BadInput(f"embedding {row} is zero or not finite")
+    return unit(vector)
+
+
+def _camera(record: Any) -> Camera | None:
+    if record is None:
+        return None
+    if not isinstance(record, dict):
+        raise BadInput(f"{FACTS}: camera must be an object or null")
+    names = ("width", "height", "fx", "fy", "cx", "cy")
+    width, height, *rest = (parsing.number(record.get(n), f"camera.{n}") for n in names)
+    return Camera(int(width), int(height), *rest)
+
+
+def _regions(records: Any) -> Regions:
+    polygons = []
+    for record in records:
+        if not isinstance(record, dict) or not isinstance(record.get("name"), str):
+            raise BadInput(f"{FACTS}: a region needs a name and a polygon")
+        corners = [parsing.numbers(c, 2, "a corner") for c in record.get("polygon") or ()]
+        if len(corners) < 3:
+            raise BadInput(f"{FACTS}: region {record['name']!r} needs three corners or more")
+        name = parsing.clean_text(record["name"])
+        polygons.append((name, tuple((c[0], c[1]) for c in corners)))
+    return Regions(tuple(polygons))
+
+
+def _line_count(path: Path) -> int:
+    with path.open("rb") as lines:
+        return sum(1 for line in lines if line.strip())

@@ -1,0 +1,208 @@
+"""Scenes as the tiers take them, and the intervals that views of a thing grow into.
+
+An interval is closed by a pause (`interval_gap_s`) and split where it gets longer than a store
+takes (`max_interval_s`); its keyframe is the view with the highest probability, the earlier one
+of equals (paper, Tier 2).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import asdict, dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from d3a.model import Box, Camera, Detection, Json, Pose
+from d3a.parameters import Parameters
+from d3a.store.base import Sighting, StayKey
+
+Metres = NDArray[np.float32]
+
+
+@dataclass(frozen=True, slots=True)
+class FrameRef:
+    """What the store keeps of a frame. image: key of its picture; viewer: x y z qx qy qz qw."""
+
+    name: str
+    time_ms: int
+    image: str | None = None
+    viewer: tuple[float, ...] | None = None
+    recording: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Scene:
+    """A frame ready for association: its detections have positions and embeddings.
+
+    Detections are in a fixed order of their own, whatever order the detector gave. depth: metres
+    (h, w), None where not recorded.
+    """
+
+    ref: FrameRef
+    detections: tuple[Detection, ...]
+    pose: Pose | None = None
+    camera: Camera | None = None
+    depth: Metres | None = field(default=None, repr=False)
+
+    def __post_init__(self) -> None:
+        ordered = sorted(self.detections, key=_own_order)
+        object.__setattr__(self, "detections", tuple(ordered))
+
+
+def _own_order(detection: Detection) -> tuple[object, ...]:
+    return (-detection.probability, detection.category, detection.box, detection.row or 0)
+
+
+@dataclass(frozen=True, slots=True)
+class Interval:
+    """Views of one thing over a time span, with the best of them; a `Sighting` without its stay."""
+
+    start_ms: int
+    end_ms: int
+    seen: int
+    probability: float
+    category: str
+    frame: str
+    keyframe_ms: int
+    box: Box
+    image: str | None
+    viewer: tuple[float, ...] | None
+    recording: str
+
+    @classmethod
+    def of(cls, ref: FrameRef, detection: Detection) -> Interval:
+        """Return the interval of a single view."""
+        return cls(
+            start_ms=ref.time_ms,
+            end_ms=ref.time_ms,
+            seen=1,
+            probability=detection.probability,
+            category=detection.category,
+            frame=ref.name,
+            keyframe_ms=ref.time_ms,
+            box=detection.box,
+            image=ref.image,
+            viewer=ref.viewer,
+            recording=ref.recording,
+        )
+
+    @classmethod
+    def from_sighting(cls, sighting: Sighting) -> Interval:
+        """Return a stored sighting's interval."""
+        return cls(
+            start_ms=sighting.start_ms,
+            end_ms=sighting.end_ms,
+            seen=sighting.seen,
+            probability=sighting.probability,
+            category=sighting.category,
+            frame=sighting.frame,
+            keyframe_ms=sighting.start_ms if sighting.keyframe_ms is None else sighting.keyframe_ms,
+            box=sighting.box,
+            image=sighting.image,
+            viewer=sighting.viewer,
+            recording=sighting.recording,
+        )
+
+    def sighting(self, stay: StayKey) -> Sighting:
+        """Return the record of this interval at a stay."""
+        object_id, place = stay
+        return Sighting(
+            object_id=object_id,
+            place=place,
+            start_ms=self.start_ms,
+            end_ms=self.end_ms,
+            frame=self.frame,
+            probability=self.probability,
+            box=self.box,
+            image=self.image,
+            seen=self.seen,
+            category=self.category,
+            recording=self.recording,
+            keyframe_ms=self.keyframe_ms,
+            viewer=self.viewer,
+        )
+
+    def union(self, other: Interval) -> Interval:
+        """Return both as one, with the better keyframe."""
+        best = min(self, other, key=lambda each: (-each.probability, each.keyframe_ms))
+        return replace(
+            best,
+            start_ms=min(self.start_ms, other.start_ms),
+            end_ms=max(self.end_ms, other.end_ms),
+            seen=self.seen + other.seen,
+        )
+
+    def follows_on(self, later: Interval, parameters: Parameters) -> bool:
+        """Say whether `later` goes on with this interval: no pause between them."""
+        return later.start_ms - self.end_ms <= parameters.interval_gap_s * 1000
+
+    def fits(self, other: Interval, parameters: Parameters) -> bool:
+        """Say whether both together are short enough to be one."""
+        start, end = min(self.start_ms, other.start_ms), max(self.end_ms, other.end_ms)
+        return end - start <= parameters.max_interval_s * 1000
+
+    def to_json(self) -> Json:
+        """Return the fields as JSON."""
+        return asdict(self)
+
+    @classmethod
+    def from_json(cls, record: Json) -> Interval:
+        """Return what `to_json` wrote."""
+        x1, y1, x2, y2 = record["box"]
+        viewer = record["viewer"]
+        parts = {"box": (x1, y1, x2, y2), "viewer": None if viewer is None else tuple(viewer)}
+        return cls(**(record | parts))
+
+
+def joined(intervals: Iterable[Interval], parameters: Parameters) -> list[Interval]:
+    """Return the intervals by time, those without a pause between them made one.
+
+    Where one would get too long it is split: the next part starts a millisecond after the end, so
+    that a reader can join them again.
+    """
+    result: list[Interval] = []
+    for each in sorted(intervals, key=lambda i: (i.start_ms, i.end_ms, i.frame)):
+        last = result[-1] if result else None
+        if last is None or not last.follows_on(each, parameters):
+            result.append(each)
+        elif last.fits(each, parameters):
+            result[-1] = last.union(each)
+        else:
+            result.append(replace(each, start_ms=min(last.end_ms + 1, each.end_ms)))
+    return result
+
+
+@dataclass(frozen=True, slots=True)
+class Seen:
+    """A detection went into `entry`, a name that the pipeline gives out itself."""
+
+    row: int | None
+    frame: str
+    box: Box
+    entry: str
+
+    def to_json(self) -> Json:
+        """Return the event as JSON."""
+        return {"row": self.row, "frame": self.frame, "box": list(self.box), "entry": self.entry}
+
+
+@dataclass(frozen=True, slots=True)
+class Became:
+    """An entry is from now on (part of) `into`; None: it was left out, `why` says the reason."""
+
+    entry: str
+    into: str | None
+    why: str | None = None
+
+    def to_json(self) -> Json:
+        """Return the event as JSON."""
+        return {"became": self.entry, "into": self.into, "why": self.why}
+
+
+Event = Seen | Became
+
+
+def entry_name(stay: StayKey) -> str:
+    """Return the name that events use for a stored stay."""
+    return f"{stay[0]}/{stay[1]}"
