@@ -23,6 +23,7 @@ from d3a.store.base import (
     Sighting,
     StayKey,
     StayRecord,
+    TaughtName,
     View,
 )
 from d3a.store.limits import EmbeddingKind, check_batch, check_referred, embedding_kind
@@ -123,6 +124,10 @@ class OracleStore:
 
     def categories(self) -> list[tuple[str, int]]:
         return sorted(Counter(r.category for r in self._objects.values()).items())
+
+    def names(self) -> list[TaughtName]:
+        names = {name for record in self._objects.values() for name in record.names}
+        return sorted(names, key=lambda name: (name.word, name.owner or "", name.owner is not None))
 
     def embeddings(self) -> tuple[list[str], NDArray[np.float32]]:
         ids = [k for k, r in sorted(self._objects.items()) if r.embedding is not None]

@@ -1,0 +1,318 @@
+"""The embedded store: one SQLite file with its write-ahead log, readers beside one writer."""
+
+from __future__ import annotations
+
+import json
+import re
+import sqlite3
+import threading
+import time
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import closing, contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from d3a.model import Json
+from d3a.store import schema, sqlite_check, sqlite_read
+from d3a.store.base import (
+    Area,
+    Batch,
+    Encounter,
+    Keyframe,
+    NativeQuery,
+    ObjectRecord,
+    RecordingRecord,
+    Region,
+    Sighting,
+    StayRecord,
+    StoreError,
+    TaughtName,
+    View,
+)
+from d3a.store.limits import check_batch
+from d3a.store.records import Picture, Record, dump_records
+from d3a.store.rows import (
+    READERS,
+    Row,
+    encounter_record,
+    object_record,
+    sighting_record,
+    stay_record,
+    view_record,
+)
+from d3a.store.sqlite_read import Select
+from d3a.store.sqlite_write import Writer
+
+_INDEX = re.compile(r"USING (?:COVERING )?INDEX (\w+)")
+_KEY = re.compile(r"USING (INTEGER PRIMARY KEY|PRIMARY KEY)")
+_TREE = re.compile(r"SCAN (\w+_tree) VIRTUAL TABLE INDEX")
+
+
+class SqliteStore:
+    """`Store` in one file. One connection behind a lock: threads may share the store.
+
+    connection: opened by `sqlite_file.connect`, in autocommit; the store closes it.
+    """
+
+    def __init__(self, path: Path, connection: sqlite3.Connection) -> None:
+        self.uri = f"sqlite:///{path}"
+        self._path = path
+        self._db = connection
+        self._lock = threading.RLock()
+        self._observer: Callable[[NativeQuery], None] | None = None
+        with self._translated():
+            self._trees = schema.has_trees(connection)
+
+    def close(self) -> None:
+        """Release the file."""
+        with self._translated(), self._lock:
+            self._db.close()
+
+    @contextmanager
+    def _translated(self) -> Iterator[None]:
+        """Let no error of sqlite3 out."""
+        try:
+            yield
+        except sqlite3.Error as error:
+            raise StoreError(f"{self.uri}: {error}") from error
+
+    # writing
+    def apply(self, batch: Batch) -> None:
+        """Apply a batch in one transaction; the log is on the disk when this returns."""
+        check_batch(batch)
+        with self._lock, self._transaction():
+            Writer(self._db, trees=self._trees).write(batch)
+
+    @contextmanager
+    def _transaction(self) -> Iterator[None]:
+        with self._translated():
+            self._db.execute("BEGIN IMMEDIATE")
+            try:
+                yield
+                self._db.execute("COMMIT")
+            except BaseException:
+                if self._db.in_transaction:  # a full disk has already rolled back
+                    self._db.execute("ROLLBACK")
+                raise
+
+    def collect_keyframes(self, keep: Sequence[str] = ()) -> int:
+        """Remove pictures that nothing refers to, but for `keep`; count them."""
+        with self._lock, self._transaction():
+            return self._db.execute(
+                "DELETE FROM keyframe WHERE key NOT IN (SELECT value FROM json_each(?)) "
+                "AND NOT EXISTS (SELECT 1 FROM sighting WHERE image = key) "
+                "AND NOT EXISTS (SELECT 1 FROM encounter WHERE image = key)",
+                (json.dumps(list(keep)),),
+            ).rowcount
+
+    # reading
+    def _rows(self, text: str, parameters: dict[str, Any] | None = None) -> list[Row]:
+        """Run one query; the observer is told of it."""
+        given = parameters or {}
+        with self._lock, self._translated():
+            observer = self._observer
+            if observer is None:
+                return self._db.execute(text, given).fetchall()
+            plan = self._db.execute(f"EXPLAIN QUERY PLAN {text}", given).fetchall()
+            begun = time.perf_counter()
+            rows = self._db.execute(text, given).fetchall()
+            elapsed_ms = (time.perf_counter() - begun) * 1000
+        said = text + "".join(f"\n  :{name} = {value}" for name, value in given.items())
+        observer(NativeQuery(said, _index_of(plan), len(rows), elapsed_ms))
+        return rows
+
+    def _select(self, select: Select, limit: int | None = None) -> list[Row]:
+        if limit is None:
+            return self._rows(select.text(), select.parameters)
+        return self._rows(select.text() + " LIMIT :limit", {**select.parameters, "limit": limit})
+
+    def objects(
+        self,
+        *,
+        ids: Sequence[str] | None = None,
+        categories: Sequence[str] | None = None,
+        names: Sequence[str] | None = None,
+    ) -> list[ObjectRecord]:
+        """Return objects by id, with embeddings."""
+        return [object_record(r) for r in self._select(sqlite_read.objects(ids, categories, names))]
+
+    def categories(self) -> list[tuple[str, int]]:
+        """Return (category, objects of it), by category."""
+        text = "SELECT category, count(*) FROM oic GROUP BY category ORDER BY category"
+        return [(category, count) for category, count in self._rows(text)]
+
+    def names(self) -> list[TaughtName]:
+        """Return what people call the objects, by (word, owner or ""), none twice."""
+        text = "SELECT DISTINCT word, owner FROM oic_name ORDER BY word, ifnull(owner, ''), owner"
+        return [TaughtName(word, owner) for word, owner in self._rows(text)]
+
+    def embeddings(self) -> tuple[list[str], NDArray[np.float32]]:
+        """Return the ids, by id, of the objects with an embedding, and their matrix (n, d)."""
+        text = "SELECT object_id, embedding FROM oic WHERE embedding IS NOT NULL ORDER BY object_id"
+        rows = self._rows(text)
+        kind = self._rows("SELECT value FROM internal WHERE key = 'embedding'")
+        length = json.loads(kind[0][0])[1] if kind else 0
+        matrix = np.frombuffer(b"".join(blob for _, blob in rows), dtype="<f4")
+        return [object_id for object_id, _ in rows], matrix.reshape(len(rows), length)
+
+    def stays(
+        self,
+        *,
+        object_ids: Sequence[str] | None = None,
+        area: Area | None = None,
+        start_ms: int | None = None,
+        end_ms: int | None = None,
+    ) -> list[StayRecord]:
+        """Return stays by (object_id, place) whose [first, last] touches [start, end]."""
+        select = sqlite_read.stays(object_ids, area, start_ms, end_ms, trees=self._trees)
+        return [stay_record(row) for row in self._select(select)]
+
+    def sightings(
+        self,
+        *,
+        object_ids: Sequence[str] | None = None,
+        area: Area | None = None,
+        start_ms: int | None = None,
+        end_ms: int | None = None,
+        limit: int | None = None,
+    ) -> list[Sighting]:
+        """Return sightings by (start, object_id, place) that touch the closed [start, end]."""
+        select = sqlite_read.sightings(object_ids, area, start_ms, end_ms, trees=self._trees)
+        return [sighting_record(row) for row in self._select(select, limit)]
+
+    def edges(
+        self,
+        object_ids: Sequence[str],
+        which: str,
+        *,
+        before_ms: int | None = None,
+        after_ms: int | None = None,
+    ) -> list[Sighting]:
+        """Return each object's "first" or "last" sighting, by object_id."""
+        select = sqlite_read.edges(object_ids, which, before_ms, after_ms)
+        return [sighting_record(row) for row in self._select(select)]
+
+    def encounters(
+        self,
+        *,
+        object_ids: Sequence[str] | None = None,
+        with_ids: Sequence[str] | None = None,
+        start_ms: int | None = None,
+        end_ms: int | None = None,
+    ) -> list[Encounter]:
+        """Return encounters by (start, a, b, places) between the two lists of objects."""
+        select = sqlite_read.encounters(object_ids, with_ids, start_ms, end_ms)
+        return [encounter_record(row) for row in self._select(select)]
+
+    def keyframe(self, key: str) -> Keyframe | None:
+        """Return a stored picture."""
+        text = "SELECT key, jpeg, width, height, time_ms FROM keyframe WHERE key = :key"
+        rows = self._rows(text, {"key": key})
+        return Keyframe(*rows[0]) if rows else None
+
+    def keyframe_keys(self) -> list[str]:
+        """Return the keys of all stored pictures, sorted."""
+        return [key for (key,) in self._rows("SELECT key FROM keyframe ORDER BY key")]
+
+    def views(self, *, start_ms: int | None = None, end_ms: int | None = None) -> list[View]:
+        """Return views by (start, end) that touch the closed [start, end]."""
+        return [view_record(row) for row in self._select(sqlite_read.views(start_ms, end_ms))]
+
+    def last_view_ms(self) -> int | None:
+        """Return the time of the newest frame: of the views and of the recordings."""
+        text = (
+            "SELECT max(ms) FROM (SELECT max(end_ms) AS ms FROM seen_area "
+            "UNION ALL SELECT max(last_ms) FROM recording)"
+        )
+        newest: int | None = self._rows(text)[0][0]
+        return newest
+
+    def regions(self) -> list[Region]:
+        """Return named rooms, by name."""
+        text, record = READERS["region"]
+        return [record(row) for row in self._rows(text)]  # type: ignore[misc]  # by its kind
+
+    def recordings(self) -> list[RecordingRecord]:
+        """Return recordings, by key."""
+        text, record = READERS["recording"]
+        return [record(row) for row in self._rows(text)]  # type: ignore[misc]  # by its kind
+
+    def meta(self, key: str) -> Any | None:
+        """Return a JSON value, None where it is not set."""
+        rows = self._rows("SELECT value FROM meta WHERE key = :key", {"key": key})
+        return json.loads(rows[0][0]) if rows else None
+
+    def state(self) -> bytes | None:
+        """Return the associator's checkpoint."""
+        rows = self._rows("SELECT value FROM state")
+        return rows[0][0] if rows else None
+
+    def counts(self) -> Json:
+        """Return how many records of each kind there are, and the size with the log in bytes."""
+        with self._lock, self._translated():
+            counted = sqlite_check.counts(self._db)
+        log = self._path.with_name(self._path.name + "-wal")
+        sizes = [file.stat().st_size for file in (self._path, log) if file.exists()]
+        return {**counted, "bytes": sum(sizes)}
+
+    def check(self) -> list[str]:
+        """Return what is damaged or dangling, a sentence each; [] for a sound store."""
+        with self._lock, self._translated():
+            return sqlite_check.check(self._db, trees=self._trees)
+
+    def tracing(self, observer: Callable[[NativeQuery], None] | None) -> None:
+        """Call `observer` after every query of a question; None stops it."""
+        self._observer = observer
+
+    def dump(self) -> Iterator[Json]:
+        """Yield every record in a fixed order, from one moment, whatever is written meanwhile."""
+        with self._translated(), closing(_reader(self._path)) as connection:
+            yield from dump_records(_Moment(connection))
+
+
+class _Moment:
+    """What a dump reads: one transaction of its own, rows as they come."""
+
+    def __init__(self, connection: sqlite3.Connection) -> None:
+        self._db = connection
+        connection.execute("BEGIN")
+
+    def meta_entries(self) -> Iterable[tuple[str, Any]]:
+        """Yield (key, value) by key."""
+        for key, text in self._db.execute("SELECT key, value FROM meta ORDER BY key"):
+            yield key, json.loads(text)
+
+    def records(self, kind: str) -> Iterable[Record]:
+        """Yield all records of a kind."""
+        text, record = READERS[kind]
+        return map(record, self._db.execute(text))
+
+    def pictures(self) -> Iterable[Picture]:
+        """Yield the stored pictures by key; `length` does not read them."""
+        text = "SELECT key, width, height, time_ms, length(jpeg) FROM keyframe ORDER BY key"
+        return (Picture(*row) for row in self._db.execute(text))
+
+    def state(self) -> bytes | None:
+        """Return the checkpoint."""
+        row = self._db.execute("SELECT value FROM state").fetchone()
+        return row[0] if row else None
+
+
+def _reader(path: Path) -> sqlite3.Connection:
+    return sqlite3.connect(f"{path.absolute().as_uri()}?mode=ro", uri=True, isolation_level=None)
+
+
+def _index_of(plan: list[Row]) -> str | None:
+    """Return the indexes and trees that a query plan names, in its order, none twice.
+
+    A primary key is named where nothing else leads the query.
+    """
+    details = [row[-1] for row in plan]
+    for patterns in ((_INDEX, _TREE), (_KEY,)):
+        found = [name for text in details for p in patterns for name in p.findall(text)]
+        if found:
+            return ", ".join(dict.fromkeys(found))
+    return None

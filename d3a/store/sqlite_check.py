@@ -1,0 +1,98 @@
+"""What can be wrong with a store's file, found by SQL: damage, dangling rows, trees out of step."""
+
+from __future__ import annotations
+
+import sqlite3
+
+from d3a.store.schema import SLACK_M
+
+_SHOWN = 5
+_COUNTED = {
+    "objects": "oic",
+    "stays": "stc",
+    "sightings": "sighting",
+    "encounters": "encounter",
+    "views": "seen_area",
+    "keyframes": "keyframe",
+    "regions": "region",
+    "recordings": "recording",
+}
+_DANGLING = {
+    "stay {} of an object that is not stored": """
+        SELECT object_id || ' at ' || place FROM stc
+        WHERE object_id NOT IN (SELECT object_id FROM oic)""",
+    "sighting {} of a stay that is not stored": """
+        SELECT s.object_id || ' at ' || s.place || ' from ' || s.start_ms FROM sighting s
+        LEFT JOIN stc p ON p.stay_id = s.stay_id AND p.object_id = s.object_id
+        AND p.place = s.place WHERE p.stay_id IS NULL""",
+    "encounter {} of a stay that is not stored": """
+        SELECT e.object_a || ' with ' || e.object_b || ' from ' || e.start_ms FROM encounter e
+        LEFT JOIN stc a ON a.object_id = e.object_a AND a.place = e.place_a
+        LEFT JOIN stc b ON b.object_id = e.object_b AND b.place = e.place_b
+        WHERE a.stay_id IS NULL OR b.stay_id IS NULL""",
+    "taught name {} of an object that is not stored": """
+        SELECT word FROM oic_name WHERE object_id NOT IN (SELECT object_id FROM oic)""",
+    "picture {} is referred to and not stored": """
+        SELECT image FROM sighting WHERE image IS NOT NULL
+        AND image NOT IN (SELECT key FROM keyframe) UNION
+        SELECT image FROM encounter WHERE image IS NOT NULL
+        AND image NOT IN (SELECT key FROM keyframe)""",
+    "{} lasts longer than the bound of the time filters": """
+        SELECT 'sighting of ' || object_id || ' from ' || start_ms FROM sighting WHERE
+        end_ms - start_ms > (SELECT value FROM internal WHERE key = 'max_sighting_ms') UNION ALL
+        SELECT 'encounter of ' || object_a || ' from ' || start_ms FROM encounter WHERE
+        end_ms - start_ms > (SELECT value FROM internal WHERE key = 'max_encounter_ms') UNION ALL
+        SELECT 'view from ' || start_ms FROM seen_area WHERE
+        end_ms - start_ms > (SELECT value FROM internal WHERE key = 'max_view_ms')""",
+}
+_TREES = {
+    "stay {} is not where the R*Tree has it": """
+        SELECT p.object_id || ' at ' || p.place FROM stc p LEFT JOIN stc_tree t ON t.id = p.stay_id
+        WHERE p.x IS NOT NULL AND NOT ifnull(p.x BETWEEN t.x0 AND t.x1
+        AND p.y BETWEEN t.y0 AND t.y1, 0)""",
+    "sighting {} is not where the R*Tree has it": """
+        SELECT s.object_id || ' at ' || s.place || ' from ' || s.start_ms
+        FROM sighting s JOIN stc p ON p.stay_id = s.stay_id
+        LEFT JOIN sighting_tree t ON t.id = s.id,
+        (SELECT value AS base FROM internal WHERE key = 'tree_base_ms')
+        WHERE p.x IS NOT NULL AND NOT ifnull(p.x BETWEEN t.x0 AND t.x1
+        AND p.y BETWEEN t.y0 AND t.y1 AND (s.start_ms - base) / 1000.0 >= t.t0
+        AND (s.end_ms - base) / 1000.0 <= t.t1, 0)""",
+    "the R*Tree holds {}, which is not stored with a position": """
+        SELECT 'stay ' || t.id FROM stc_tree t LEFT JOIN stc p ON p.stay_id = t.id
+        WHERE p.x IS NULL UNION ALL
+        SELECT 'sighting ' || t.id FROM sighting_tree t LEFT JOIN sighting s ON s.id = t.id
+        LEFT JOIN stc p ON p.stay_id = s.stay_id WHERE p.x IS NULL""",
+}
+_FALLBACK = {
+    "stay {} is not where its index has it": f"""
+        SELECT object_id || ' at ' || place FROM stc WHERE x IS NOT NULL
+        AND NOT ifnull(abs(x - tree_x) <= {SLACK_M} AND abs(y - tree_y) <= {SLACK_M}, 0)""",
+}
+
+
+def counts(connection: sqlite3.Connection) -> dict[str, int]:
+    """Return how many records of each kind there are."""
+    columns = ", ".join(f"(SELECT count(*) FROM {table})" for table in _COUNTED.values())
+    row = connection.execute(f"SELECT {columns}").fetchone()
+    return dict(zip(_COUNTED, row, strict=True))
+
+
+def check(connection: sqlite3.Connection, *, trees: bool) -> list[str]:
+    """Return a sentence for each kind of damage, with the first few records that show it."""
+    found = [
+        f"the file is damaged: {text}"
+        for (text,) in connection.execute("PRAGMA integrity_check")
+        if text != "ok"
+    ]
+    if trees:
+        for tree in ("stc_tree", "sighting_tree"):
+            (text,) = connection.execute("SELECT rtreecheck(?)", (tree,)).fetchone()
+            if text != "ok":
+                found.append(f"the R*Tree {tree} is damaged: {text}")
+    for sentence, query in {**_DANGLING, **(_TREES if trees else _FALLBACK)}.items():
+        rows = [str(text) for (text,) in connection.execute(query)]
+        if rows:
+            more = f" and {len(rows) - _SHOWN} more" if len(rows) > _SHOWN else ""
+            found.append(sentence.format(", ".join(rows[:_SHOWN]) + more))
+    return found

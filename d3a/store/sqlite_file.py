@@ -1,0 +1,138 @@
+"""Opening the file of a SQLite store: made for its owner alone, known by its application id."""
+
+from __future__ import annotations
+
+import os
+import sqlite3
+from pathlib import Path
+
+from d3a.store import schema
+from d3a.store.base import StoreError, StoreUnreachable
+from d3a.store.schema import APPLICATION_ID, Migration
+from d3a.store.sqlite import SqliteStore
+
+BUSY_TIMEOUT_S = 10.0
+MIGRATIONS: tuple[Migration, ...] = ()
+_OLDEST = (3, 24, 0)  # the first with upserts
+
+
+def open_sqlite(
+    path: Path,
+    *,
+    create: bool = True,
+    read_only: bool = False,
+    migrations: tuple[Migration, ...] = MIGRATIONS,
+) -> SqliteStore:
+    """Open the store in a file, and make it first where `create` says so and there is none.
+
+    Raises StoreUnreachable where the file cannot be opened or made, StoreError for a file of
+    another program or of a newer schema. migrations: see `schema.migrate`.
+    """
+    uri = f"sqlite:///{path}"
+    if sqlite3.sqlite_version_info < _OLDEST:
+        raise StoreError(f"{uri}: SQLite {sqlite3.sqlite_version} is too old, 3.24 would do")
+    create = create and not read_only
+    try:
+        if create:
+            _make_file(path)
+        elif not path.is_file():
+            said = "is not a file" if path.exists() else "does not exist"
+            raise StoreUnreachable(f"{uri}: {path} {said}; ingest a recording to make a store")
+    except OSError as error:
+        raise StoreUnreachable(f"{uri}: {path} cannot be made: {error.strerror}") from error
+    try:
+        connection = _connect(path, read_only=read_only)
+    except sqlite3.Error as error:
+        raise StoreUnreachable(f"{uri}: {error}") from error
+    try:
+        _prepare(connection, create=create, read_only=read_only, migrations=migrations)
+        return SqliteStore(path, connection)
+    except sqlite3.OperationalError as error:
+        connection.close()
+        raise StoreUnreachable(f"{uri}: {error}") from error
+    except sqlite3.DatabaseError as error:
+        connection.close()
+        raise StoreError(f"{uri}: it is not a store of d3a ({error}); name another file") from error
+    except StoreError as error:
+        connection.close()
+        raise type(error)(f"{uri}: {error}") from error
+
+
+def _make_file(path: Path) -> None:
+    """Make an empty file that its owner alone may read: the log and the index take its mode."""
+    if path.is_dir():
+        raise StoreUnreachable(f"sqlite:///{path}: {path} is a folder; name a file in it")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        os.close(os.open(path, os.O_CREAT | os.O_EXCL | os.O_RDWR, 0o600))
+    except FileExistsError:
+        return  # the store, or what `_prepare` will refuse
+
+
+def _connect(path: Path, *, read_only: bool) -> sqlite3.Connection:
+    uri = path.absolute().as_uri()
+    log = path.with_name(path.name + "-wal")
+    mode = "mode=ro" if read_only else "mode=rw"
+    if read_only and not os.access(path.parent, os.W_OK) and not log.exists():
+        mode += "&immutable=1"  # a reader of a log must be able to make the log's index
+    return sqlite3.connect(
+        f"{uri}?{mode}",
+        uri=True,
+        timeout=BUSY_TIMEOUT_S,
+        isolation_level=None,
+        check_same_thread=False,
+    )
+
+
+def _prepare(
+    connection: sqlite3.Connection,
+    *,
+    create: bool,
+    read_only: bool,
+    migrations: tuple[Migration, ...],
+) -> None:
+    connection.execute("PRAGMA cache_size = -16384")
+    if not read_only:
+        connection.execute("PRAGMA synchronous = FULL")
+        connection.execute("PRAGMA wal_autocheckpoint = 8000")
+    newest = len(migrations) + 1
+    version = _version(connection)
+    if version is None:
+        if not create:
+            raise StoreError("the file is empty; ingest a recording to fill it")
+        connection.execute("PRAGMA page_size = 8192")
+        connection.execute("PRAGMA journal_mode = WAL")
+        version = 0
+    schema.refuse_future(version, newest)
+    if version < newest and read_only:
+        raise StoreError(f"it has the old schema {version}; open it once for writing")
+    if version < newest:
+        _upgrade(connection, migrations)
+
+
+def _upgrade(connection: sqlite3.Connection, migrations: tuple[Migration, ...]) -> None:
+    """Make or migrate the tables, all or nothing; another process may have been quicker."""
+    connection.execute("BEGIN IMMEDIATE")
+    try:
+        version = _version(connection)
+        if version is None:
+            schema.create_tables(connection, trees=schema.has_rtree(connection))
+            connection.execute(f"PRAGMA application_id = {APPLICATION_ID:d}")
+            version = 1
+        schema.migrate(connection, version, migrations)
+        connection.execute("COMMIT")
+    except BaseException:
+        connection.execute("ROLLBACK")
+        raise
+
+
+def _version(connection: sqlite3.Connection) -> int | None:
+    """Return the schema's number, None for a file without anything in it."""
+    (application_id,) = connection.execute("PRAGMA application_id").fetchone()
+    (version,) = connection.execute("PRAGMA user_version").fetchone()
+    if application_id == APPLICATION_ID:
+        return int(version)
+    (tables,) = connection.execute("SELECT count(*) FROM sqlite_master").fetchone()
+    if application_id == 0 and version == 0 and tables == 0:
+        return None
+    raise StoreError("it is a database of another program; name another file")
