@@ -75,12 +75,17 @@ def questions_for(session: Session, count: int = 5) -> tuple[str, ...]:
 def _candidates(store: Store) -> Iterator[Sequence[str]]:
     """Yield, for each kind of question, some that may be answerable, the likeliest first."""
     small = [name for name, _ in _by_interest(store)]
-    yield [f"Where is the {name}?" for name in small[:4]]
+    yield [f"Where {_is(name)} the {name}?" for name in small[:4]]
     pairs = _pairs(store)
     yield [f"When were the {a} and the {b} seen together?" for a, b in pairs[:4]]
     yield [f"When did you last see the {name}?" for name in small[1:5]]
     yield [f"How many {name}s did you see?" for name in small[:4] if not name.endswith("s")]
-    yield [f"Did you ever see a {name}?" for name in small[2:6]]
+    yield [f"Did you ever see a {name}?" for name in small[2:6] if not name.endswith("s")]
+
+
+def _is(noun: str) -> str:
+    """Return the verb for a category: keys and scissors are many, a glass is one."""
+    return "are" if noun.endswith("s") and not noun.endswith("ss") else "is"
 
 
 def _by_interest(store: Store) -> list[tuple[str, int]]:

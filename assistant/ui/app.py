@@ -1,0 +1,368 @@
+"""The chat as an application: it asks the store in threads, and does what keys and words name.
+
+The store is asked by one thread at a time, and each question bears a number, so that a late
+answer never replaces a newer one. `chat.ChatScreen` shows what comes of it.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import ClassVar
+
+from textual import work
+from textual.app import App, SystemCommand
+from textual.binding import Binding, BindingType
+from textual.message import Message
+from textual.screen import Screen
+from textual.theme import Theme
+from textual.widgets import Input
+
+from assistant.session import Session, known_words, questions_for
+from assistant.terminal import clean
+from assistant.ui.chat import ChatScreen, World
+from assistant.ui.floor import read_floor
+from assistant.ui.history import History
+from assistant.ui.lists import KeyframeList, QuestionList
+from assistant.ui.picture import Kind, Shot
+from assistant.ui.save import save_answer
+from assistant.ui.sheets import HELP, FloorSheet, LargeSheet, PictureSheet, Sheet, why_text
+from assistant.wording import keyframe_row
+from d3a.answer import Answer, RankedKeyframe
+from d3a.model import D3AError
+from d3a.store.base import Keyframe
+from grammar.errors import QuestionError
+
+LOOKING_S = 0.3
+"""An answer that takes longer than this says that it is being looked for."""
+PICTURES_KEPT = 32
+COMMANDS = {
+    "help": ("help", "Keys and examples"),
+    "picture": ("picture", "The whole picture of the chosen keyframe"),
+    "map": ("map", "Rooms, places, the robot"),
+    "large": ("large", "The answer in few, spaced lines"),
+    "save": ("save", "The answer as JSON, its picture as PNG with the box"),
+    "why": ("why", "Formal query, parts of the score, plan, native queries"),
+    "copy": ("copy_answer", "The answer, to the clipboard"),
+    "forget": ("forget", "Wipe the questions of this and earlier chats"),
+    "theme": ("change_theme", "Light, dark, high contrast"),
+    "quit": ("quit", "Leave the chat"),
+}
+"""What may be typed after a slash or found in the palette: action and what it does."""
+
+HIGH_CONTRAST = Theme(
+    name="high-contrast",
+    primary="#ffff00",
+    secondary="#00ffff",
+    accent="#ffff00",
+    foreground="#ffffff",
+    background="#000000",
+    surface="#000000",
+    panel="#1c1c1c",
+    success="#00ff00",
+    warning="#ffff00",
+    error="#ff6060",
+    dark=True,
+)
+
+
+class ChatApp(App[None]):
+    """The chat over one session. history: earlier questions; saves: the folder F6 writes to."""
+
+    TITLE = "d3a"
+    CSS_PATH = "chat.tcss"
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("f1", "help", "Help", id="help"),
+        Binding("f2", "picture", "Picture", id="picture"),
+        Binding("f3", "map", "Map", id="map"),
+        Binding("f5", "large", "Large", id="large"),
+        Binding("f6", "save", "Save", id="save"),
+        Binding("f7", "why", "Why", id="why"),
+        Binding("f8", "copy_answer", "Copy", id="copy"),
+        Binding("ctrl+q", "quit", "Quit", id="quit"),
+        Binding("escape", "stop", "Stop", show=False, id="stop"),
+    ]
+
+    @dataclass
+    class Answered(Message):
+        """A thread has an answer; `number` tells a late one from the newest."""
+
+        number: int
+        answer: Answer
+        newest_ms: int | None
+
+    @dataclass
+    class Surveyed(Message):
+        """A thread has looked at what the store holds."""
+
+        world: World
+
+    @dataclass
+    class Fetched(Message):
+        """A thread has read the picture of a keyframe."""
+
+        shot: Shot
+        problem: str = ""
+
+    @dataclass
+    class Explained(Message):
+        """A thread has the text of `why`."""
+
+        sheet: Sheet
+        text: str
+
+    def __init__(
+        self,
+        session: Session,
+        *,
+        history: History | None = None,
+        pictures: Kind = "cells",
+        saves: Path | None = None,
+    ) -> None:
+        super().__init__()
+        self._session = session
+        self._history = history or History()
+        self._pictures: Kind = pictures
+        self._saves = saves or Path("d3a-saved")
+        self._store_lane = threading.Lock()  # a store's connection serves one thread at a time
+        self._asked = 0
+        self._waiting = False
+        self._answer: Answer | None = None
+        self._chosen: RankedKeyframe | None = None
+        self._world = World()
+        self._kept: dict[str, Keyframe] = {}
+        self.chat = ChatScreen(session, pictures)
+        self.register_theme(HIGH_CONTRAST)
+
+    def get_default_screen(self) -> Screen[None]:
+        """Return the screen of the conversation."""
+        return self.chat
+
+    def on_chat_screen_ready(self) -> None:
+        """Look at the store in a thread, while the first screen stands there already."""
+        self.chat.show_earlier(self._history.questions)
+        self._survey()
+
+    # the store, in threads
+
+    @work(thread=True, group="survey")
+    def _survey(self) -> None:
+        store = self._session.store
+        try:
+            with self._store_lane:
+                world = World(
+                    floor=read_floor(store),
+                    words=known_words(store),
+                    questions=questions_for(self._session),
+                    newest_ms=store.last_view_ms(),
+                )
+        except D3AError as error:
+            world = World(problem=str(error))
+        self.post_message(self.Surveyed(world))
+
+    def on_chat_app_surveyed(self, message: Surveyed) -> None:
+        """Show whose memory this is and what it can answer."""
+        self._world = message.world
+        self.chat.show_world(message.world, talking=self._waiting or self._answer is not None)
+
+    def ask(self, text: str) -> None:
+        """Ask a question; its answer comes by itself, an older one no more."""
+        self._asked += 1
+        self._waiting = True
+        number = self._asked
+        self._history.add(text)
+        self.chat.show_earlier(self._history.questions)
+        self.set_timer(LOOKING_S, lambda: self._say_looking(number, text))
+        self._ask_in_thread(number, text)
+
+    def _say_looking(self, number: int, text: str) -> None:
+        if self._waiting and number == self._asked:
+            self.chat.show_looking(text)
+
+    @work(thread=True, group="ask")
+    def _ask_in_thread(self, number: int, text: str) -> None:
+        with self._store_lane:
+            if number != self._asked:  # a newer question waits behind this one
+                return
+            answer = self._session.safely(text)
+            newest_ms = None if answer.status == "error" else self._newest()
+        self.post_message(self.Answered(number, answer, newest_ms))
+
+    def _newest(self) -> int | None:
+        try:
+            return self._session.store.last_view_ms()
+        except D3AError:  # the answer is there already; the header keeps the older time
+            return None
+
+    def on_chat_app_answered(self, message: Answered) -> None:
+        """Show an answer, unless a newer question was asked or this one was stopped."""
+        if message.number != self._asked:
+            return
+        self._waiting = False
+        self._answer, self._chosen = message.answer, None
+        newest_ms = message.newest_ms or self._world.newest_ms
+        self._world = replace(self._world, newest_ms=newest_ms)
+        self.chat.show_answer(message.answer, self._world)
+
+    def on_keyframe_list_chosen(self, message: KeyframeList.Chosen) -> None:
+        """Fetch the picture of the row under the mark."""
+        keyframe = self._chosen = message.keyframe
+        if keyframe.image is None or keyframe.image in self._kept:
+            self._show_shot(Shot(keyframe, self._kept.get(keyframe.image or "")))
+        else:
+            self._fetch(keyframe, keyframe.image)
+
+    @work(thread=True, group="fetch")
+    def _fetch(self, keyframe: RankedKeyframe, key: str) -> None:
+        picture, problem = None, ""
+        with self._store_lane:
+            if self._chosen != keyframe:  # the mark moved on while this one waited
+                return
+            try:
+                picture = self._session.store.keyframe(key)
+            except D3AError as error:
+                problem = str(error)
+        self.post_message(self.Fetched(Shot(keyframe, picture), problem))
+
+    def on_chat_app_fetched(self, message: Fetched) -> None:
+        """Show a picture, unless another row was chosen since."""
+        shot = message.shot
+        if message.problem:
+            self.notify(clean(message.problem), severity="error", markup=False)
+        if shot.keyframe.image is not None and shot.picture is not None:
+            self._kept[shot.keyframe.image] = shot.picture
+            while len(self._kept) > PICTURES_KEPT:
+                del self._kept[next(iter(self._kept))]
+        if self._chosen == shot.keyframe:
+            self._show_shot(shot)
+
+    def _show_shot(self, shot: Shot) -> None:
+        self.chat.show_shot(shot)
+        if isinstance(self.screen, PictureSheet):
+            self.screen.show_shot(shot)
+
+    # what the person does
+
+    def on_input_submitted(self, event: Input.Submitted) -> None:
+        """Ask what was typed, or do what a slash names."""
+        text = " ".join(clean(event.value).split())
+        event.input.clear()
+        if text.startswith("/"):
+            self._do(text[1:].lower())
+        elif text:
+            self.ask(text)
+
+    def _do(self, word: str) -> None:
+        if word in COMMANDS:
+            self.call_later(self.run_action, COMMANDS[word][0])
+        else:
+            known = " ".join(f"/{name}" for name in COMMANDS)
+            self.notify(f"There is no /{word}. There are {known}", markup=False)
+
+    def on_question_list_taken(self, message: QuestionList.Taken) -> None:
+        """Ask one of the questions offered."""
+        self.chat.focus_prompt()
+        self.ask(message.question)
+
+    def on_keyframe_list_opened(self) -> None:
+        """Show the whole picture."""
+        self.action_picture()
+
+    def on_picture_sheet_stepped(self, message: PictureSheet.Stepped) -> None:
+        """Move the mark in the list; its picture follows into the sheet."""
+        self.chat.step(message.step)
+
+    def action_help(self) -> None:
+        """Show keys and examples."""
+        self.push_screen(Sheet("Help", HELP))
+
+    def action_picture(self) -> None:
+        """Show the whole picture of the chosen keyframe."""
+        shot = self.chat.shot
+        if shot is None:
+            self._nothing_yet("picture")
+            return
+        count = len(self.chat.keyframes)
+        self.push_screen(PictureSheet(shot, count, self.chat.now, self._pictures))
+
+    def action_map(self) -> None:
+        """Show the map."""
+        self.push_screen(FloorSheet(self._world.floor, self.chat.keyframes, self.chat.now))
+
+    def action_large(self) -> None:
+        """Show the answer large."""
+        if self._answer is None:
+            self._nothing_yet("answer")
+            return
+        self.push_screen(LargeSheet(self._answer, self.chat.shot, self._pictures))
+
+    def action_why(self) -> None:
+        """Show how the answer came about; the plan is fetched in a thread."""
+        if self._answer is None:
+            self._nothing_yet("answer")
+            return
+        sheet = Sheet("Why this answer", why_text(self._answer, self._chosen, ""))
+        self.push_screen(sheet)
+        self._explain(sheet, self._answer, self._chosen)
+
+    @work(thread=True, group="explain")
+    def _explain(self, sheet: Sheet, answer: Answer, chosen: RankedKeyframe | None) -> None:
+        try:
+            with self._store_lane:
+                explanation = self._session.explain(answer.text)
+        except (QuestionError, D3AError) as error:
+            explanation = str(error)
+        self.post_message(self.Explained(sheet, why_text(answer, chosen, explanation)))
+
+    def on_chat_app_explained(self, message: Explained) -> None:
+        """Put the plan into the sheet, if it is still there."""
+        if message.sheet.is_attached:
+            message.sheet.set_text(message.text)
+
+    def action_save(self) -> None:
+        """Write the answer as JSON and its picture as PNG, the box drawn in."""
+        if self._answer is None:
+            self._nothing_yet("answer")
+            return
+        try:
+            written = save_answer(self._answer, self.chat.shot, self._saves)
+        except OSError as error:
+            words = f"{self._saves} cannot be written: {error.strerror or error}"
+            self.notify(words, severity="error", markup=False)
+            return
+        self.notify("\n".join(f"Saved {path}" for path in written), markup=False)
+
+    def action_copy_answer(self) -> None:
+        """Copy the answer and its rows, by the terminal's own clipboard (OSC 52)."""
+        if self._answer is None:
+            self._nothing_yet("answer")
+            return
+        lines = [clean(self._answer.answer or self._answer.message or "")]
+        for keyframe in self._answer.keyframes:
+            lines.append(f"{keyframe.rank}  " + ", ".join(keyframe_row(keyframe, self.chat.now)))
+        self.copy_to_clipboard("\n".join(lines))
+        self.notify("Copied, if the terminal allows it. F6 saves a file.", markup=False)
+
+    def action_stop(self) -> None:
+        """Stop waiting for the running question, else go back to the question line."""
+        if self._waiting:
+            self._asked += 1
+            self._waiting = False
+            self.chat.show_stopped()
+        self.chat.focus_prompt()
+
+    def action_forget(self) -> None:
+        """Forget the questions of this and earlier chats."""
+        self._history.wipe()
+        self.chat.show_earlier(())
+        self.notify(self._history.problem or "The questions are forgotten.", markup=False)
+
+    def _nothing_yet(self, what: str) -> None:
+        self.notify(f"There is no {what} yet: ask a question first.", markup=False)
+
+    def get_system_commands(self, screen: Screen[object]) -> Iterable[SystemCommand]:
+        """List the commands of the palette, the same that a slash names."""
+        for name, (action, what) in COMMANDS.items():
+            yield SystemCommand(name.capitalize(), what, getattr(self, f"action_{action}"))

@@ -1,0 +1,164 @@
+"""The ranked keyframes, and the questions to start from."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from textual.message import Message
+from textual.widgets import OptionList
+
+from assistant.terminal import clean, shorten, width_of
+from assistant.wording import keyframe_row
+
+if TYPE_CHECKING:
+    from datetime import datetime
+
+    from textual.events import Key, Resize
+
+    from d3a.answer import RankedKeyframe
+
+_LIMITS = (16, 18, 28, 11, 15)
+"""The widest a column may be: what, when, where, how sure, how often."""
+
+
+def rows(keyframes: Sequence[RankedKeyframe], now: datetime, width: int) -> list[str]:
+    """Return a line for each keyframe, its columns aligned, in at most `width` cells.
+
+    The category is told only where there is more than one. What does not fit goes from the
+    right: time and place stay longest.
+    """
+    table = [keyframe_row(keyframe, now) for keyframe in keyframes]
+    first = 0 if len({row[0] for row in table}) > 1 else 1
+    kept = list(range(first, 5))
+    while True:
+        widths = [
+            min(_LIMITS[i], max((width_of(row[i]) for row in table), default=0)) for i in kept
+        ]
+        if sum(widths) + 2 * len(kept) + 4 <= width or len(kept) <= 2:
+            break
+        kept.pop()
+    lines = []
+    for keyframe, row in zip(keyframes, table, strict=True):
+        cells = [shorten(row[i], w) for i, w in zip(kept, widths, strict=True)]
+        padded = [cell + " " * (w - width_of(cell)) for cell, w in zip(cells, widths, strict=True)]
+        lines.append(shorten(f"{keyframe.rank:>2}  " + "  ".join(padded).rstrip(), width))
+    return lines
+
+
+class MarkedList(OptionList):
+    """A list whose highlighted row bears a `>`: meaning is never by colour alone."""
+
+    def __init__(self, *, id: str | None = None) -> None:  # noqa: A002  textual's word
+        super().__init__(markup=False, compact=True, id=id)
+        self._rows_said: list[str] = []
+        self._marked: int | None = None
+
+    def set_lines(self, lines: Sequence[str], highlighted: int | None) -> None:
+        """Show these rows, one of them highlighted."""
+        self._rows_said = list(lines)
+        self._marked = None
+        self.set_options([f"  {line}" for line in lines])
+        self.highlighted = highlighted if lines else None
+
+    @property
+    def lines_shown(self) -> list[str]:
+        """The rows as they stand there."""
+        return [str(option.prompt) for option in self.options]
+
+    def watch_highlighted(self, highlighted: int | None) -> None:
+        """Move the mark along."""
+        super().watch_highlighted(highlighted)
+        for index, mark in ((self._marked, " "), (highlighted, ">")):
+            if index is not None and index < min(len(self._rows_said), self.option_count):
+                self.replace_option_prompt_at_index(index, f"{mark} {self._rows_said[index]}")
+        self._marked = highlighted
+
+    def on_key(self, event: Key) -> None:
+        """Let 1 to 9 choose a row."""
+        if event.character and event.character in "123456789":
+            index = int(event.character) - 1
+            if index < self.option_count:
+                self.highlighted = index
+                event.stop()
+                event.prevent_default()
+
+
+class KeyframeList(MarkedList):
+    """The keyframes of an answer, best first: shows data, posts `Chosen`, asks no store."""
+
+    @dataclass
+    class Chosen(Message):
+        """A row was highlighted: its picture is wanted."""
+
+        keyframe: RankedKeyframe
+
+    @dataclass
+    class Opened(Message):
+        """A row was entered: its whole picture is wanted."""
+
+        keyframe: RankedKeyframe
+
+    def __init__(self, *, id: str | None = None) -> None:  # noqa: A002  textual's word
+        super().__init__(id=id)
+        self._keyframes: Sequence[RankedKeyframe] = ()
+        self._now: datetime | None = None
+        self._width = 0
+
+    def show_keyframes(self, keyframes: Sequence[RankedKeyframe], now: datetime) -> None:
+        """Show these, the first of them highlighted."""
+        self._keyframes, self._now = keyframes, now
+        self._lay_out(0)
+
+    def on_resize(self, event: Resize) -> None:
+        """Align the columns for the new width."""
+        if self.size.width != self._width:
+            self._lay_out(self.highlighted)
+
+    def _lay_out(self, highlighted: int | None) -> None:
+        self._width = self.size.width
+        if self._now is not None:
+            width = max(self.scrollable_content_region.width - 2, 20)
+            self.set_lines(rows(self._keyframes, self._now, width), highlighted)
+
+    def on_option_list_option_highlighted(self, event: OptionList.OptionHighlighted) -> None:
+        """Pass on which keyframe it is."""
+        event.stop()
+        if event.option_index < len(self._keyframes):
+            self.post_message(self.Chosen(self._keyframes[event.option_index]))
+
+    def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:
+        """Pass on which keyframe it is."""
+        event.stop()
+        if event.option_index < len(self._keyframes):
+            self.post_message(self.Opened(self._keyframes[event.option_index]))
+
+
+class QuestionList(MarkedList):
+    """Questions to take: the first screen's, or what an answer suggests. Posts `Taken`."""
+
+    @dataclass
+    class Taken(Message):
+        """A question was chosen."""
+
+        question: str
+
+    def __init__(self, *, id: str | None = None) -> None:  # noqa: A002  textual's word
+        super().__init__(id=id)
+        self._questions: Sequence[str] = ()
+
+    def show_questions(self, questions: Sequence[str]) -> None:
+        """Show these, numbered."""
+        self._questions = questions
+        lines = [f"{i:>2}  {clean(q)}" for i, q in enumerate(questions, 1)]
+        self.set_lines(lines, 0)
+
+    def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:
+        """Pass on which question it is."""
+        event.stop()
+        self.post_message(self.Taken(self._questions[event.option_index]))
+
+    def on_option_list_option_highlighted(self, event: OptionList.OptionHighlighted) -> None:
+        """Nothing is asked before Enter."""
+        event.stop()

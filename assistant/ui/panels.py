@@ -1,0 +1,97 @@
+"""The panels around an answer: its sentence, the map, the timeline."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from datetime import UTC
+from typing import TYPE_CHECKING
+
+from rich.text import Text
+from textual.reactive import reactive
+from textual.widget import Widget
+
+from assistant.terminal import clean, shorten
+from assistant.ui.floor import Floor, draw_floor, marks_of
+from assistant.wording import more_words, short_time
+
+if TYPE_CHECKING:
+    from datetime import datetime
+
+    from textual.app import RenderResult
+
+    from d3a.answer import Answer, RankedKeyframe
+
+
+def exchange(answer: Answer) -> Text:
+    """Return a question and its answer; what a person and a recording said stays plain text."""
+    text = Text(f"You: {clean(answer.text)}\n", style="dim")
+    sentence = clean(answer.answer or answer.message or "")
+    text.append(sentence, style="not dim bold")
+    notes = [more_words(answer)]
+    if answer.message and answer.message not in (answer.answer, ""):
+        notes.append(clean(answer.message))
+    if answer.unjudged:
+        notes.append(f"Not judged: {clean(', '.join(answer.unjudged))}.")
+    if any(notes):
+        text.append("\n" + "\n".join(note for note in notes if note), style="not dim")
+    return text
+
+
+class FloorView(Widget):
+    """The map: rooms, the numbered places of the answer, the robot."""
+
+    floor: reactive[Floor] = reactive(Floor())
+    keyframes: reactive[tuple[RankedKeyframe, ...]] = reactive(())
+
+    def render(self) -> RenderResult:
+        """Return the map with its legend below, as far as there is room."""
+        columns, rows = self.size
+        marks = marks_of(self.keyframes)
+        legend = legend_lines(self.floor, [mark.label for mark in marks], columns)
+        lines = draw_floor(self.floor, marks, columns, max(rows - len(legend), 0))
+        if not lines:
+            return Text("no map: this memory holds no positions", style="dim")
+        return Text("\n".join([*lines, *legend][:rows]), no_wrap=True)
+
+
+def legend_lines(floor: Floor, labels: Sequence[str], columns: int) -> list[str]:
+    """Return what the signs on the map mean."""
+    words = []
+    if labels:
+        words.append(f"{labels[0]} best")
+    if len(labels) > 1:
+        words.append(f"{' '.join(labels[1:])} other places")
+    if floor.robot is not None:
+        words.append("R robot now")
+    lines: list[str] = []
+    for word in words:
+        if lines and len(lines[-1]) + 2 + len(word) <= columns:
+            lines[-1] += f"  {word}"
+        else:
+            lines.append(shorten(word, columns))
+    return lines
+
+
+class Timeline(Widget):
+    """When: the answer's keyframes from the earliest to now, by their numbers."""
+
+    keyframes: reactive[tuple[RankedKeyframe, ...]] = reactive(())
+    now: reactive[datetime | None] = reactive(None)
+
+    def render(self) -> RenderResult:
+        """Return a line of numbers and a line that says where it begins and ends."""
+        if self.now is None or not self.keyframes:
+            return ""
+        return Text("\n".join(timeline(self.keyframes, self.now, self.size.width)), no_wrap=True)
+
+
+def timeline(keyframes: Sequence[RankedKeyframe], now: datetime, width: int) -> list[str]:
+    """Return two lines: numbers on a scale of elapsed time, and its two ends in words."""
+    first = min(keyframe.end for keyframe in keyframes).astimezone(UTC)
+    span = max((now.astimezone(UTC) - first).total_seconds(), 1.0)
+    line = ["·"] * width
+    for keyframe in reversed(keyframes[:9]):  # the best is written last, over the others
+        share = (keyframe.end.astimezone(UTC) - first).total_seconds() / span
+        line[min(max(round(share * (width - 1)), 0), width - 1)] = str(keyframe.rank)
+    start, end = short_time(first, now), f"now {now.hour}:{now.minute:02d}"
+    return ["".join(line), start + end.rjust(max(width - len(start), len(end) + 1))]

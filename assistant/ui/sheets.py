@@ -1,0 +1,228 @@
+"""Screens over the chat: help, why this answer, the whole picture, the map, the large view."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
+
+from rich.text import Text
+from textual.binding import Binding, BindingType
+from textual.containers import VerticalScroll
+from textual.message import Message
+from textual.screen import ModalScreen
+from textual.widgets import Static
+
+from assistant.terminal import clean, clean_lines
+from assistant.ui.panels import FloorView
+from assistant.ui.picture import Kind, PictureView, Shot, caption
+from assistant.wording import how_sure, place_words, short_time
+
+if TYPE_CHECKING:
+    from datetime import datetime
+
+    from textual.app import ComposeResult
+
+    from assistant.ui.floor import Floor
+    from d3a.answer import Answer, RankedKeyframe
+
+HELP = """Type a question in plain English, and Enter.
+
+  Where are my keys?                    Where was the cup this morning?
+  When were the cup and the bowl together?    What is on the table?
+  Did you ever see a red mug?           How many chairs are in the kitchen?
+
+Enter      ask; on a row of the list: the whole picture, and back
+Up, Down   earlier questions; Down at the newest: the list
+Right      take the grey suggestion
+Tab        the next pane
+1 to 9     with the list in focus: that keyframe
+PgUp       what was said earlier in this chat
+Esc        stop the running question, or back to the question line
+
+F1 help      F2 picture   F3 map       F5 large
+F6 save      F7 why       F8 copy      Ctrl+P all commands   Ctrl+Q quit
+
+Each key has a word too: /help /picture /map /large /save /why /copy
+/forget (the questions of earlier chats) /quit
+
+Letters too small? Make them larger in your terminal, mostly by Ctrl and +."""
+
+
+class Overlay(ModalScreen[None]):
+    """What is laid over the chat, until its own key, Enter, q or Esc takes it away."""
+
+    def action_dismiss_sheet(self) -> None:
+        """Go back to the chat."""
+        self.dismiss()
+
+
+class Sheet(Overlay):
+    """A page of text over the chat; Esc, Enter, q or its own key closes it."""
+
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("escape,enter,q,f1,f7", "dismiss_sheet", "Back"),
+    ]
+
+    def __init__(self, title: str, text: str = "") -> None:
+        super().__init__()
+        self._title = title
+        self._text = text
+
+    def compose(self) -> ComposeResult:
+        """Lay out a title, the text, and how to leave."""
+        yield Static(self._title, id="sheet-title", markup=False)
+        with VerticalScroll(id="sheet-scroll"):
+            yield Static(clean_lines(self._text), id="sheet-text", markup=False)
+        yield Static("Esc: back   arrows, PgUp, PgDn: scroll", id="sheet-foot", markup=False)
+
+    def on_mount(self) -> None:
+        """Let the arrows scroll."""
+        self.query_one("#sheet-scroll").focus()
+
+    def set_text(self, text: str) -> None:
+        """Replace the text, when a worker has it."""
+        self._text = text
+        if self.is_mounted:
+            self.query_one("#sheet-text", Static).update(clean_lines(text))
+
+
+class PictureSheet(Overlay):
+    """The whole picture of a keyframe; the arrows go through the list."""
+
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("escape,enter,q,f2", "dismiss_sheet", "Back"),
+        Binding("down,right,n", "step(1)", "Next"),
+        Binding("up,left,p", "step(-1)", "Previous"),
+        Binding("c", "crop", "Crop or whole"),
+    ]
+
+    @dataclass
+    class Stepped(Message):
+        """Another keyframe of the answer is wanted."""
+
+        sheet: PictureSheet
+        step: int
+
+    def __init__(self, shot: Shot, count: int, now: datetime, kind: Kind) -> None:
+        super().__init__()
+        self._shot, self._count, self._now, self._kind = shot, count, now, kind
+
+    def compose(self) -> ComposeResult:
+        """Lay out a caption, the picture, and how to leave."""
+        yield Static(id="sheet-title", markup=False)
+        yield PictureView(kind=self._kind, whole=True, id="whole")
+        yield Static("Esc: back   arrows: others   c: crop", id="sheet-foot", markup=False)
+
+    def on_mount(self) -> None:
+        """Show the picture that was asked for."""
+        self.show_shot(self._shot)
+
+    def show_shot(self, shot: Shot) -> None:
+        """Show another keyframe."""
+        self._shot = shot
+        view = self.query_one(PictureView)
+        view.shot = shot
+        self._say()
+
+    def _say(self) -> None:
+        whole = self.query_one(PictureView).whole
+        width = self.size.width - 2
+        words = caption(self._shot, self._count, self._now, whole=whole, width=width)
+        self.query_one("#sheet-title", Static).update(words)
+
+    def action_step(self, step: int) -> None:
+        """Ask for the keyframe before or after."""
+        self.post_message(self.Stepped(self, step))
+
+    def action_crop(self) -> None:
+        """Show the part around the box, or the whole again."""
+        view = self.query_one(PictureView)
+        view.whole = not view.whole
+        self._say()
+
+
+class FloorSheet(Overlay):
+    """The map over the whole screen."""
+
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("escape,enter,q,f3", "dismiss_sheet", "Back"),
+    ]
+
+    def __init__(self, floor: Floor, keyframes: Sequence[RankedKeyframe], now: datetime) -> None:
+        super().__init__()
+        self._floor, self._keyframes, self._now = floor, tuple(keyframes), now
+
+    def compose(self) -> ComposeResult:
+        """Lay out the map, what its numbers are, and how to leave."""
+        yield Static("Map", id="sheet-title", markup=False)
+        yield FloorView(id="floor-large")
+        lines = [
+            f"{k.rank}  {clean(place_words(k))}, {short_time(k.end, self._now)}"
+            for k in self._keyframes[:3]
+        ]
+        yield Static("\n".join(lines), id="floor-words", markup=False)
+        yield Static("Esc: back", id="sheet-foot", markup=False)
+
+    def on_mount(self) -> None:
+        """Draw the map."""
+        view = self.query_one(FloorView)
+        view.floor, view.keyframes = self._floor, self._keyframes
+
+
+class LargeSheet(Overlay):
+    """One answer in few, spaced lines, one picture, three keys: for tired eyes."""
+
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("escape,enter,q,f5", "dismiss_sheet", "Back"),
+        Binding("f8", "app.copy_answer", "Copy"),
+        Binding("f6", "app.save", "Save"),
+    ]
+
+    def __init__(self, answer: Answer, shot: Shot | None, kind: Kind) -> None:
+        super().__init__()
+        self._answer, self._shot, self._kind = answer, shot, kind
+
+    def compose(self) -> ComposeResult:
+        """Lay out the sentences with air between them, the picture, three keys."""
+        yield Static(large_text(self._answer), id="large-text", markup=False)
+        yield PictureView(kind=self._kind, id="large-picture")
+        yield Static("Esc Back     F6 Save     F8 Copy", id="sheet-foot", markup=False)
+
+    def on_mount(self) -> None:
+        """Show the best picture."""
+        self.query_one(PictureView).shot = self._shot
+
+
+def large_text(answer: Answer) -> Text:
+    """Return the answer a sentence a line, an empty line between."""
+    words = clean(answer.answer or answer.message or "Ask a question first.")
+    sentences = [
+        part.strip() for part in words.replace("? ", "?\n").replace(". ", ".\n").split("\n")
+    ]
+    return Text("\n\n".join(part for part in sentences if part), style="bold")
+
+
+def why_text(answer: Answer, keyframe: RankedKeyframe | None, explanation: str) -> str:
+    """Return why this answer: the formal query, the score's parts, the plan and its queries."""
+    lines = [f"Question   {answer.text}"]
+    if answer.query is not None:
+        lines += [f"Formal     {answer.query.formal}", f"Form       {answer.query.form}"]
+    lines.append(f"Status     {answer.status}" + (f", {answer.reason}" if answer.reason else ""))
+    if keyframe is not None:
+        lines += ["", f"Keyframe {keyframe.rank}   {keyframe.category}, frame {keyframe.frame}"]
+        lines.append(f"  score      {keyframe.score:.2f} ({how_sure(keyframe)})")
+        lines += [f"  {name:<10} {_part(value)}" for name, value in keyframe.why.items()]
+        lines.append(f"  object     {keyframe.object_id}")
+    if answer.elapsed_ms:
+        spent = ", ".join(f"{name} {ms:.1f} ms" for name, ms in answer.elapsed_ms.items())
+        lines += ["", f"Time       {spent}"]
+    if explanation:
+        lines += ["", explanation]
+    return "\n".join(lines)
+
+
+def _part(value: object) -> str:
+    if isinstance(value, dict):
+        return ", ".join(f"{name} {_part(part)}" for name, part in value.items()) or "-"
+    return f"{value:.2f}" if isinstance(value, float) else str(value)
