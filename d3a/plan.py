@@ -24,7 +24,7 @@ from grammar.forms import (
 
 Precision = Literal["perfect", "category", "any"]
 """The paper's rungs (Evaluation): the very object, its category, any object at all."""
-Edge = Literal["all", "first", "last"]
+Edge = Literal["first", "last"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,11 +60,22 @@ class FindSightings:
 
 
 @dataclass(frozen=True, slots=True)
-class FindAt:
-    """STc.find: what was true at a moment: newest sighting at or before it, oldest after."""
+class FindEdge:
+    """STc.find: a sighting an object, to tell what was true at a moment.
+
+    edge "last": the newest that starts at or before it; "first": the oldest that ends after it.
+    """
 
     var: str
+    edge: Edge
     at: datetime
+
+
+@dataclass(frozen=True, slots=True)
+class FindStays:
+    """STc.find: where the objects of `var` lay, for the sightings that were found."""
+
+    var: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,16 +106,20 @@ class Relate:
 
 @dataclass(frozen=True, slots=True)
 class KeepMissing:
-    """Keep the sightings whose place was seen without the object after them."""
+    """Keep the last sighting of objects whose place was then seen without them, in the slice."""
 
     var: str
+    start: datetime | None = None
+    end: datetime | None = None
 
 
 @dataclass(frozen=True, slots=True)
 class KeepMoved:
-    """Keep the objects that changed their place: its stays one after the other."""
+    """Keep the first sighting after each change of place that fell into the slice."""
 
     var: str
+    start: datetime | None = None
+    end: datetime | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -112,6 +127,8 @@ class KeepUsual:
     """Keep a sighting a stay, by the share of the object's time that it lay there."""
 
     var: str
+    start: datetime | None = None
+    end: datetime | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -137,6 +154,13 @@ class Rank:
 
 
 @dataclass(frozen=True, slots=True)
+class FindLandmarks:
+    """Tell each keyframe by the nearest large static thing, as people do."""
+
+    var: str
+
+
+@dataclass(frozen=True, slots=True)
 class Cover:
     """Tell when the robot looked last, in the asked place where one is named."""
 
@@ -156,7 +180,8 @@ Step = (
     FindObjects
     | JudgeAttributes
     | FindSightings
-    | FindAt
+    | FindEdge
+    | FindStays
     | FilterPlace
     | Relate
     | KeepMissing
@@ -164,6 +189,7 @@ Step = (
     | KeepUsual
     | Measure
     | Rank
+    | FindLandmarks
     | Cover
     | ExplainEmpty
 )
@@ -212,6 +238,7 @@ def plan(
     steps += _keep_steps(query, var)
     steps.append(Measure(query.ask, var, objects[0].quantity))
     steps.append(Rank(var, query.select, spread=_spreads(query)))
+    steps.append(FindLandmarks(var))
     steps.append(Cover(query.place))
     steps.append(ExplainEmpty(var, query.time, query.place))
     return Plan(query, tuple(steps))
@@ -233,12 +260,14 @@ def _term_steps(
     if term.attributes or term.without:
         steps.append(JudgeAttributes(var, term.attributes, term.without))
     if query.time is not None and query.time.is_point and query.time.start is not None:
-        steps.append(FindAt(var, query.time.start))
+        steps.append(FindEdge(var, "last", query.time.start))
+        steps.append(FindEdge(var, "first", query.time.start))
     elif query.ask in ("moved", "missing") or query.select == "usual":
         steps.append(FindSightings(var))  # the slice is about the change, see `_keep_steps`
     else:
         start, end = (query.time.start, query.time.end) if query.time else (None, None)
         steps.append(FindSightings(var, start, end))
+    steps.append(FindStays(var))
     if term.where is not None:
         inner = f"{var}.1"
         steps += _term_steps(term.where.object, inner, query, precision)
@@ -255,12 +284,13 @@ def _relate(query: FormalQuery, names: tuple[str, ...], negated: bool) -> Relate
 
 
 def _keep_steps(query: FormalQuery, var: str) -> list[Step]:
+    start, end = (query.time.start, query.time.end) if query.time else (None, None)
     if query.ask == "moved":
-        return [KeepMoved(var)]
+        return [KeepMoved(var, start, end)]
     if query.ask == "missing":
-        return [KeepMissing(var)]
+        return [KeepMissing(var, start, end)]
     if query.select == "usual":
-        return [KeepUsual(var)]
+        return [KeepUsual(var, start, end)]
     return []
 
 

@@ -1,0 +1,174 @@
+"""Attributes of the question scored against the objects found: colours, sizes, or nothing.
+
+Nothing about attributes is stored (DESIGN, decision 5). Colours come from the histogram, sizes
+from depth relative to the objects of the same word. What neither can tell is left unjudged.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from d3a.colours import BASIC, HISTOGRAM_SIZE, Palette, is_colour, judge, words_of
+from d3a.match import Candidate
+from d3a.plan import JudgeAttributes
+from d3a.relations import normal_cdf
+
+UNKNOWN = 0.5
+"""The chance of an attribute for an object without a picture, where others have one."""
+LEAST_ODDS = 0.5
+"""An attribute is refused where its opposite is more than twice as likely."""
+SIZE_SPREAD = 0.25
+"""Deviation of the logarithm of a measured size: depth and boxes are rough."""
+LEAST_SIZED = 3
+"""Sizes are relative: with fewer measured things of the kind, nothing is big or small."""
+_SIZES: dict[str, tuple[str, float]] = {
+    **dict.fromkeys(("big", "large", "huge", "giant", "massive", "enormous"), ("area", 1.0)),
+    **dict.fromkeys(("bigger", "biggest", "larger", "largest", "oversized"), ("area", 1.0)),
+    **dict.fromkeys(("large-sized",), ("area", 1.0)),
+    **dict.fromkeys(("small", "little", "tiny", "mini", "compact"), ("area", -1.0)),
+    **dict.fromkeys(("smaller", "smallest", "small-sized"), ("area", -1.0)),
+    **dict.fromkeys(("tall", "taller", "tallest", "high"), ("height", 1.0)),
+    **dict.fromkeys(("short", "shorter", "shortest", "low"), ("height", -1.0)),
+    **dict.fromkeys(("wide", "broad"), ("width", 1.0)),
+    **dict.fromkeys(("narrow", "slim", "thin"), ("width", -1.0)),
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Judged:
+    """Who keeps the attributes, by object id, and which words nobody could judge."""
+
+    kept: dict[str, Candidate]
+    unjudged: tuple[str, ...]
+
+
+def judged(
+    step: JudgeAttributes, found: Sequence[Candidate], palette: Callable[[], Palette]
+) -> Judged:
+    """Score the attributes of a step on the objects found; order and match stay.
+
+    palette: read only where a colour is asked, it costs a query.
+    """
+    wanted = merged_shades(step.attributes)
+    colours = [word for word in wanted if is_colour(word)]
+    scores: list[tuple[str, NDArray[np.float64], NDArray[np.bool_]]] = []
+    unjudged: list[str] = []
+    if colours:
+        result = _colour(colours, found, palette)
+        if result is None:
+            unjudged += colours
+        else:
+            share = result[0] ** (1 / len(colours))  # the product is what holds for all of them
+            scores += [(word, share, result[1]) for word in colours]
+    for word in wanted:
+        if word not in colours:
+            _add(scores, unjudged, word, _size(word, found))
+    for word in merged_shades(step.without):
+        single = _colour([word], found, palette) if is_colour(word) else _size(word, found)
+        opposite = None
+        if single is not None:
+            chance = 1 - single[0]
+            opposite = (chance, chance >= LEAST_ODDS * single[0])
+        _add(scores, unjudged, f"not {word}", opposite)
+    return Judged(_kept(found, scores), tuple(unjudged))
+
+
+def merged_shades(words: Sequence[str]) -> list[str]:
+    """Return the attributes with two-word colours as one: dark, blue is "dark blue".
+
+    Two basic colours stay two: a red orange ball is a colour, a red and orange one is not told
+    apart here and is more often meant.
+    """
+    out: list[str] = []
+    for word in words:
+        both = f"{out[-1]} {word}" if out else ""
+        if both and is_colour(both) and is_colour(word) and _qualifies(out[-1], word):
+            out[-1] = both
+        else:
+            out.append(word)
+    return out
+
+
+def _qualifies(first: str, second: str) -> bool:
+    """Whether the first word tells which kind of the second colour is meant."""
+    return not is_colour(first) or (
+        first not in BASIC and second in BASIC and words_of(f"{first} {second}") != ()
+    )
+
+
+def _add(
+    scores: list[tuple[str, NDArray[np.float64], NDArray[np.bool_]]],
+    unjudged: list[str],
+    word: str,
+    result: tuple[NDArray[np.float64], NDArray[np.bool_]] | None,
+) -> None:
+    if result is None:
+        unjudged.append(word)
+    else:
+        scores.append((word, *result))
+
+
+def _colour(
+    colours: Sequence[str], found: Sequence[Candidate], palette: Callable[[], Palette]
+) -> tuple[NDArray[np.float64], NDArray[np.bool_]] | None:
+    """Return probability and tenability (n,), None where no object has a histogram."""
+    rows = [i for i, c in enumerate(found) if _has_histogram(c)]
+    if not rows:
+        return None
+    matrix = np.stack([cast("NDArray[np.float32]", found[i].record.embedding) for i in rows])
+    verdict = judge(colours, matrix, palette())
+    probability = np.full(len(found), UNKNOWN)
+    tenable = np.ones(len(found), dtype=np.bool_)
+    probability[rows] = verdict.probability
+    tenable[rows] = verdict.tenable
+    return probability, tenable
+
+
+def _has_histogram(candidate: Candidate) -> bool:
+    embedding = candidate.record.embedding
+    return embedding is not None and len(embedding) == HISTOGRAM_SIZE and bool(embedding.any())
+
+
+def _size(
+    word: str, found: Sequence[Candidate]
+) -> tuple[NDArray[np.float64], NDArray[np.bool_]] | None:
+    """Return how likely each is big for its kind (n,), None for other words or too few sizes."""
+    if word not in _SIZES:
+        return None
+    measure, sign = _SIZES[word]
+    extents = [c.record.extent_m for c in found]
+    sizes = np.array([_measure(e, measure) if e else np.nan for e in extents], dtype=np.float64)
+    known = ~np.isnan(sizes)
+    if int(known.sum()) < LEAST_SIZED:
+        return None
+    logs = np.log(np.maximum(sizes, 1e-3))
+    z = sign * (logs - np.median(logs[known])) / SIZE_SPREAD
+    probability = np.full(len(found), UNKNOWN)
+    probability[known] = normal_cdf(z[known])
+    return probability, probability >= LEAST_ODDS * (1 - probability)
+
+
+def _measure(extent: tuple[float, float], measure: str) -> float:
+    width, height = extent
+    if measure == "area":
+        return float(np.sqrt(max(width * height, 0.0)))
+    return height if measure == "height" else width
+
+
+def _kept(
+    found: Sequence[Candidate],
+    scores: Sequence[tuple[str, NDArray[np.float64], NDArray[np.bool_]]],
+) -> dict[str, Candidate]:
+    kept: dict[str, Candidate] = {}
+    for i, candidate in enumerate(found):
+        if all(tenable[i] for _, _, tenable in scores):
+            told = {word: float(np.clip(p[i], 0.0, 1.0)) for word, p, _ in scores}
+            kept[candidate.record.object_id] = replace(
+                candidate, attributes={**candidate.attributes, **told}
+            )
+    return kept

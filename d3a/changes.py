@@ -1,0 +1,87 @@
+"""Questions over the whole memory: what moved, what is missing, where a thing usually is."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from d3a.moments import Found, Moment, changes_of_place, entry_of, single, total_ms
+from d3a.store.base import Sighting, StayKey
+
+LEAST_STAY_MS = 1_000
+"""A look in passing still says that the thing was there: it counts as this long."""
+
+
+@dataclass(frozen=True, slots=True)
+class Slice:
+    """A half-open slice in milliseconds, open ends None."""
+
+    start_ms: int | None = None
+    end_ms: int | None = None
+
+    def holds(self, moment_ms: int) -> bool:
+        """Whether a moment falls into the slice."""
+        return (self.start_ms is None or moment_ms >= self.start_ms) and (
+            self.end_ms is None or moment_ms < self.end_ms
+        )
+
+
+def by_object(sightings: Sequence[Sighting]) -> dict[str, list[Sighting]]:
+    """Return the sightings of each object, by start, objects by id."""
+    out: dict[str, list[Sighting]] = {}
+    for sighting in sorted(sightings, key=lambda s: (s.object_id, s.start_ms, s.place)):
+        out.setdefault(sighting.object_id, []).append(sighting)
+    return out
+
+
+def moved(found: Found, when: Slice) -> list[Moment]:
+    """Return the first sighting after each change of place within the slice.
+
+    The association links an object's stays and says how sure it is (`moved_from`); a change
+    without such a link has the chance of a coin.
+    """
+    out: list[Moment] = []
+    for sightings in by_object(found.sightings).values():
+        for before, after in changes_of_place(sightings):
+            if when.holds(after.start_ms):
+                stay = found.stays.get(after.stay)
+                linked = stay.moved_from if stay is not None else None
+                sure = linked[1] if linked is not None and linked[0] == before.place else 0.5
+                moment = single(found, after)
+                out.append(replace(moment, relation=max(0.0, min(1.0, sure))))
+    return out
+
+
+def missing(found: Found, when: Slice) -> list[Moment]:
+    """Return the last sighting of each object whose place was seen without it, in the slice.
+
+    An object that was seen anywhere after that look is not missing.
+    """
+    out: list[Moment] = []
+    for sightings in by_object(found.sightings).values():
+        last = max(sightings, key=lambda s: (s.end_ms, s.start_ms))
+        stay = found.stays.get(last.stay)
+        absent = stay.last_absent_ms if stay is not None else None
+        if absent is not None and absent > last.end_ms and when.holds(absent):
+            out.append(single(found, last))
+    return out
+
+
+def usual(found: Found, when: Slice) -> list[Moment]:
+    """Return the newest sighting of each stay with its share of the object's seen time."""
+    out: list[Moment] = []
+    for sightings in by_object(found.sightings).values():
+        inside = [s for s in sightings if when.holds(s.start_ms) or when.holds(s.end_ms)]
+        spans: dict[StayKey, list[tuple[int, int]]] = {}
+        newest: dict[StayKey, Sighting] = {}
+        for sighting in inside:
+            span = (sighting.start_ms, max(sighting.end_ms, sighting.start_ms + LEAST_STAY_MS))
+            spans.setdefault(sighting.stay, []).append(span)
+            newest[sighting.stay] = sighting
+        lengths = {stay: total_ms(parts) for stay, parts in spans.items()}
+        total = sum(lengths.values())
+        for stay, sighting in newest.items():
+            entry = entry_of(found, sighting)
+            share = lengths[stay] / total
+            out.append(Moment((entry,), sighting.start_ms, sighting.end_ms, share=share))
+    return out

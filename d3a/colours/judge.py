@@ -1,0 +1,164 @@
+"""How likely an object is of a colour, from its own histogram: a small generative model.
+
+A thing fills the middle of its box and shares the rest with its surroundings; its pixels are its
+colour under more or less light. So the histogram of a red cup is a mixture of what red names
+look like in light and shade, and of what the other objects' boxes hold. The colour that explains
+the histogram best wins, and the others' shares tell how sure that is. No threshold is fitted to
+any set of pictures: the constants below say what they stand for.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from d3a.colours.names import BASIC, Floats, colours_of, encoded, linear
+
+HISTOGRAM_SIZE = 512
+"""8 x 8 x 8 bins of red, green, blue; the red is the slowest (see d3a.images)."""
+_BINS = 8
+_FILL = 0.6
+"""Share of a box that its object covers: between a disc (0.79) and a thing with a handle."""
+_LOOKS = 8.0
+"""Independent looks in one box: neighbouring pixels agree, so a box is not 10,000 witnesses."""
+_LIGHTS = tuple(float(s) for s in np.exp(np.linspace(np.log(0.25), np.log(1.1), 10)))
+"""Light on the parts of a thing relative to the full light: its shaded side has a quarter."""
+_GLOSS = (0.0, 0.12)
+"""Share of the lamp's own colour in what a surface sends back: matt, glossy."""
+_NOISE = 14.0
+"""Deviation of a pixel in sRGB levels: sensor, compression, one word for near colours."""
+_FLOOR = 1e-4 / HISTOGRAM_SIZE
+_BRIGHT = 0.95
+"""The quantile of light that stands for a white thing in full light (white patch)."""
+_PRIOR_OBJECTS = 8.0
+"""With fewer objects than this the surroundings are known less than assumed."""
+LEAST_ODDS = 0.5
+"""A colour word fits where no other is more than twice as likely; people differ on such ones."""
+
+
+@dataclass(frozen=True, slots=True)
+class Verdict:
+    """How likely each object is of the colours asked for (n,), and whether that is tenable (n,)."""
+
+    probability: Floats
+    tenable: NDArray[np.bool_]
+
+
+@dataclass(frozen=True, slots=True)
+class Palette:
+    """What the boxes of a store hold together: surroundings and light.
+
+    total (512,): the sum of all objects' pixel shares; count: how many objects.
+    exposure: the light of a white thing, quantised, so that one store keeps one set of terms.
+    """
+
+    total: Floats
+    count: int
+    exposure: float
+
+    @classmethod
+    def of(cls, embeddings: NDArray[np.float32]) -> Palette:
+        """Measure the histograms (n, 512) of a store, any positive scale a row."""
+        shares = as_shares(embeddings)
+        total = shares.sum(axis=0) if len(shares) else np.zeros(HISTOGRAM_SIZE)
+        return cls(total, len(shares), _exposure(total, len(shares)))
+
+    def around(self, shares: Floats) -> Floats:
+        """Return the surroundings of each object (n, 512): all others, and a little of all."""
+        others = np.clip(self.total[None, :] - shares, 0.0, None)
+        uniform = 1.0 / HISTOGRAM_SIZE
+        return np.asarray((others + 2.0 * uniform) / (others.sum(axis=1, keepdims=True) + 2.0))
+
+
+def as_shares(embeddings: NDArray[np.float32]) -> Floats:
+    """Return histograms as shares of the pixels: rows sum to 1."""
+    counts = np.clip(np.asarray(embeddings, dtype=np.float64), 0.0, None)
+    return np.asarray(counts / np.maximum(counts.sum(axis=1, keepdims=True), 1e-12))
+
+
+def judge(colours: Sequence[str], embeddings: NDArray[np.float32], palette: Palette) -> Verdict:
+    """Return how likely each object (n, 512) is of the colours: of all of them, where several.
+
+    colours: words for which `is_colour` holds; several make a thing of parts (red and white).
+    The alternatives are the eleven basic terms.
+    """
+    shares = as_shares(embeddings)
+    terms = _terms(palette.exposure)
+    asked = np.mean([_looks_like(colour, palette.exposure) for colour in colours], axis=0)
+    around = palette.around(shares)
+    evidence = _evidence(shares, np.vstack([terms, asked[None, :]]), around)  # (n, 12)
+    basic = len(colours) == 1 and colours[0] in BASIC
+    if basic:
+        evidence = evidence[:, :-1]
+    column = BASIC.index(colours[0]) if basic else -1
+    weight = np.exp(evidence - evidence.max(axis=1, keepdims=True))
+    rivals = np.delete(weight, column, axis=1).max(axis=1)
+    return Verdict(
+        probability=weight[:, column] / weight.sum(axis=1),
+        tenable=weight[:, column] >= LEAST_ODDS * rivals,
+    )
+
+
+def _evidence(shares: Floats, looks: Floats, around: Floats) -> Floats:
+    """Return the log likelihood of each colour (k) for each object (n): (n, k)."""
+    used = shares.any(axis=0)  # most bins are empty in every object
+    shares, looks, around = shares[:, used], looks[:, used], around[:, used]
+    mixed = _FILL * looks[None, :, :] + (1 - _FILL) * around[:, None, :] + _FLOOR
+    return np.asarray(_LOOKS * np.einsum("nb,nkb->nk", shares, np.log(mixed)))
+
+
+def _exposure(total: Floats, count: int) -> float:
+    """Return the light that a white thing has in these pictures, 1 for the sensor's white.
+
+    Rooms are dim and cameras expose for windows: what people call white is the brightest there
+    is. With few objects that is little to go by, so it is taken nearer to 1.
+    """
+    if count == 0:
+        return 1.0
+    index = np.arange(HISTOGRAM_SIZE)
+    bins = np.stack([index // 64, index // 8 % 8, index % 8], axis=1).astype(np.float64)
+    light = luminance(bins * 32.0 + 15.5)
+    order = np.argsort(light, kind="stable")
+    reached = np.cumsum(total[order]) / total.sum()
+    bright = light[order][min(int(np.searchsorted(reached, _BRIGHT)), HISTOGRAM_SIZE - 1)]
+    stops = np.log2(np.clip(bright, 0.2, 1.0)) * count / (count + _PRIOR_OBJECTS)
+    return float(2.0 ** (np.round(stops * 8) / 8))
+
+
+def luminance(levels: Floats) -> Floats:
+    """Return the luminance 0..1 of sRGB levels (n, 3)."""
+    return np.asarray(linear(levels) @ np.array([0.2126, 0.7152, 0.0722]))
+
+
+@lru_cache(maxsize=16)
+def _terms(exposure: float) -> Floats:
+    """Return the looks of the eleven basic terms (11, 512)."""
+    return np.stack([_looks_like(term, exposure) for term in BASIC])
+
+
+@lru_cache(maxsize=512)
+def _looks_like(colour: str, exposure: float) -> Floats:
+    """Return the distribution over bins (512,) of things of a colour, in light and shade."""
+    colours = colours_of(colour)
+    if colours is None:
+        raise ValueError(f"{colour!r} is not a colour; ask is_colour first")
+    looks = np.zeros((_BINS, _BINS, _BINS))
+    for gloss in _GLOSS:
+        light = np.array(_LIGHTS)[:, None, None] * (colours[None, :, :] + gloss) * exposure
+        spread = _spread(encoded(light).reshape(-1, 3))  # (m, 3, 8)
+        plane = np.einsum("mi,mj->mij", spread[:, 0], spread[:, 1]).reshape(len(spread), -1)
+        looks += (plane.T @ spread[:, 2]).reshape(_BINS, _BINS, _BINS) / len(spread)
+    flat = looks.reshape(-1)
+    return np.asarray(flat / flat.sum())
+
+
+def _spread(levels: Floats) -> Floats:
+    """Return how noise spreads levels (m, 3) over the bins of each channel (m, 3, 8)."""
+    inner = np.arange(1, _BINS) * (256 / _BINS)
+    z = (inner[None, None, :] - levels[:, :, None]) / _NOISE
+    below = 1.0 / (1.0 + np.exp(-1.702 * z))  # the logistic, within 0.01 of the normal
+    return np.diff(below, prepend=0.0, append=1.0, axis=2)

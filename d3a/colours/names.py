@@ -1,0 +1,146 @@
+"""Colour words as sets of sRGB colours, from two public lists (see the head of names.tsv).
+
+A basic term is the region of every listed name that ends in it ("dark sky blue" is a blue), so
+its borders are those of the people who were asked, not of a rule of ours.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import lru_cache
+from importlib.resources import files
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+BASIC = (
+    "black",
+    "white",
+    "grey",
+    "red",
+    "orange",
+    "yellow",
+    "green",
+    "blue",
+    "purple",
+    "pink",
+    "brown",
+)
+"""The eleven basic colour terms of English (Berlin and Kay, 1969)."""
+_NOT_COLOURS = frozenset(
+    {"adobe", "bland", "brick", "camo", "cement", "clay", "dark", "denim", "dirt", "dust"}
+    | {"leather", "linen", "moccasin", "pale", "steel", "stone", "straw", "velvet", "wheat"}
+)
+"""Listed names that say what a thing is made of, or how a colour is, when said of a thing."""
+_SPELLINGS = {
+    "gray": "grey",
+    "golden": "gold",
+    "colored": "",
+    "coloured": "",
+    "color": "",
+    "colour": "",
+}
+_SHADES: dict[str, tuple[float, float]] = {
+    # factor on linear light, then the share of white that is mixed in
+    "dark": (0.3, 0.0),
+    "deep": (0.4, 0.0),
+    "light": (1.0, 0.45),
+    "pale": (1.0, 0.6),
+    "pastel": (1.0, 0.55),
+    "bright": (1.2, 0.0),
+    "vivid": (1.2, 0.0),
+    "neon": (1.4, 0.0),
+    "hot": (1.0, 0.0),
+    "dusty": (0.7, 0.2),
+    "dull": (0.7, 0.1),
+    "soft": (1.0, 0.35),
+    "very": (1.0, 0.0),
+    "medium": (0.8, 0.0),
+}
+
+
+def linear(rgb: Floats) -> Floats:
+    """Return sRGB 0..255 as linear light 0..1."""
+    c = rgb / 255.0
+    return np.asarray(np.where(c <= 0.04045, c / 12.92, ((c + 0.055) / 1.055) ** 2.4))
+
+
+def encoded(light: Floats) -> Floats:
+    """Return linear light as sRGB 0..255; what is brighter than white is white."""
+    x = np.clip(light, 0.0, 1.0)
+    return np.asarray(255.0 * np.where(x <= 0.0031308, 12.92 * x, 1.055 * x ** (1 / 2.4) - 0.055))
+
+
+def words_of(colour: str) -> tuple[str, ...]:
+    """Return a colour's words in the lists' spelling: `light-Gray` is (light, grey)."""
+    words = colour.lower().replace("-", " ").replace("_", " ").split()
+    spelled = (_SPELLINGS.get(word, _of_reddish(word)) for word in words)
+    return tuple(word for word in spelled if word)
+
+
+def _of_reddish(word: str) -> str:
+    """Return the basic term inside of `reddish`, `greyish`; another word as it is."""
+    if not word.endswith("ish"):
+        return word
+    stem = word.removesuffix("ish").replace("gray", "grey")
+    return next((term for term in BASIC if stem in (term, term[:-1], term + term[-1])), word)
+
+
+@lru_cache(maxsize=1)
+def table() -> tuple[tuple[tuple[str, ...], ...], Floats]:
+    """Return the listed names as words, and their colours (n, 3) in sRGB 0..255."""
+    names: list[tuple[str, ...]] = []
+    colours: list[list[int]] = []
+    text = files("d3a.colours").joinpath("names.tsv").read_text(encoding="utf-8")
+    for line in text.splitlines():
+        if line.startswith("#"):
+            continue
+        name, code, _ = line.split("\t")
+        names.append(tuple(name.split()))
+        colours.append([int(code[i : i + 2], 16) for i in (1, 3, 5)])
+    return tuple(names), np.array(colours, dtype=np.float64)
+
+
+def is_colour(word: str) -> bool:
+    """Whether a word of a question names a colour: listed, or a shade of one that is."""
+    return colours_of(word) is not None
+
+
+@lru_cache(maxsize=256)
+def colours_of(colour: str) -> Floats | None:
+    """Return the colours (n, 3), linear light, that a colour word stands for; None for no colour.
+
+    A basic term: every name that ends in it. Else the name itself and the names that hold all of
+    its words ("dark blue": "dark royal blue" too). Else a shade of what is left without it.
+    """
+    words = words_of(colour)
+    if not words or words[-1] in _NOT_COLOURS or all(word in _SHADES for word in words):
+        return None
+    names, colours = table()
+    if len(words) == 1 and words[0] in BASIC:
+        rows = [i for i, name in enumerate(names) if _head(name) == words[0]]
+    else:
+        asked = set(words)
+        rows = [i for i, name in enumerate(names) if _is_shade_of(name, words, asked)]
+    if rows:
+        return linear(colours[rows])
+    if words[0] in _SHADES and len(words) > 1:
+        base = colours_of(" ".join(words[1:]))
+        if base is not None:
+            factor, white = _SHADES[words[0]]
+            return np.asarray(np.clip(base * factor, 0, 1) * (1 - white) + white)
+    return None
+
+
+def _head(name: Sequence[str]) -> str:
+    """Return the basic term a name belongs to, "" for none and for two (blue green)."""
+    last = name[-1]
+    if last not in BASIC or (len(name) > 1 and name[-2] in BASIC and name[-2] != last):
+        return ""
+    return last
+
+
+def _is_shade_of(name: tuple[str, ...], words: tuple[str, ...], asked: set[str]) -> bool:
+    """Whether a listed name is the asked one, or a kind of it with the same head."""
+    return name == words or (len(words) > 1 and name[-1] == words[-1] and asked <= set(name))

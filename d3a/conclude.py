@@ -1,0 +1,126 @@
+"""From ranked moments to the record of the answer: keyframes, counts and the value asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from datetime import datetime
+
+from d3a.answer import Answer, RankedKeyframe
+from d3a.model import Json
+from d3a.moments import Entry, Moment, total_ms
+from d3a.places import room_of
+from d3a.rank import Ranked, entry_score
+from d3a.run import Run, milliseconds
+
+
+def conclude(run: Run, limit: int) -> Answer:
+    """Return the answer of a finished run, cut to `limit` keyframes, without its sentence."""
+    keyframes, truncated = _keyframes(run, max(limit, 0))
+    objects = {one.moment.figure.sighting.object_id for one in run.ranked}
+    return Answer(
+        text=run.query.text,
+        status=run.status,
+        reason=run.reason,
+        query=run.query,
+        count=len(objects),
+        value=_value(run, len(objects)),
+        keyframes=tuple(keyframes),
+        otherwise=_otherwise(run),
+        unjudged=tuple(run.unjudged),
+        suggestions=run.suggestions,
+        last_looked=_moment(run, run.last_looked_ms),
+        truncated=truncated,
+    )
+
+
+def _keyframes(run: Run, limit: int) -> tuple[list[RankedKeyframe], bool]:
+    """Return whole moments up to the limit; only one alone may be cut."""
+    out: list[RankedKeyframe] = []
+    for group, one in enumerate(run.ranked, 1):
+        entries = one.moment.entries
+        if out and len(out) + len(entries) > limit:
+            return out, True
+        number = group if len(entries) > 1 else None
+        for entry, why in zip(entries, one.why, strict=True):
+            out.append(keyframe(run, one.moment, entry, len(out) + 1, one.score, why, group=number))
+        if len(out) > limit:
+            return out[:limit], True
+    return out, False
+
+
+def keyframe(
+    run: Run,
+    moment: Moment,
+    entry: Entry,
+    rank: int,
+    score: float,
+    why: Json,
+    *,
+    group: int | None = None,
+) -> RankedKeyframe:
+    """Return one entry of a moment as the answer shows it."""
+    sighting, stay = entry.sighting, entry.stay
+    position = stay.position if stay is not None else None
+    absent = stay.last_absent_ms if stay is not None else None
+    gone = absent if absent is not None and absent > sighting.end_ms else None
+    start, end = _moment(run, sighting.start_ms), _moment(run, sighting.end_ms)
+    assert start is not None
+    assert end is not None
+    return RankedKeyframe(
+        rank=rank,
+        score=score,
+        object_id=sighting.object_id,
+        category=entry.candidate.record.category,
+        frame=sighting.frame,
+        probability=sighting.probability,
+        box=sighting.box,
+        start=start,
+        end=end,
+        position=position,
+        place=room_of(run.regions(), position),
+        near=run.near(entry),
+        seen=sighting.seen,
+        last_absent=_moment(run, gone),
+        image=sighting.image,
+        why=why,
+        group=group,
+    )
+
+
+def _otherwise(run: Run) -> RankedKeyframe | None:
+    if run.otherwise is None:
+        return None
+    entry = run.otherwise.figure
+    score, why = entry_score(entry)
+    return keyframe(run, run.otherwise, entry, 1, min(1.0, score), why)
+
+
+def _value(run: Run, objects: int) -> float | None:
+    """Return the number asked for: objects, seconds, sightings."""
+    if run.query.ask == "count":
+        return float(objects)
+    if run.query.ask == "how_often":
+        return float(len(run.ranked))
+    if run.query.ask == "how_long":
+        return total_ms(_clipped(run, run.ranked)) / 1000
+    return None
+
+
+def _clipped(run: Run, ranked: Sequence[Ranked]) -> list[tuple[int, int]]:
+    """Return the moments' intervals inside of the asked slice."""
+    time = run.query.time
+    low = milliseconds(time.start) if time else None
+    high = milliseconds(time.end) if time else None
+    spans = [(one.moment.start_ms, one.moment.end_ms) for one in ranked]
+    return [
+        (start if low is None else max(start, low), end if high is None else min(end, high))
+        for start, end in spans
+        if (low is None or end >= low) and (high is None or start <= high)
+    ]
+
+
+def _moment(run: Run, at_ms: int | None) -> datetime | None:
+    """Return milliseconds as an aware time in the zone of `now`."""
+    if at_ms is None:
+        return None
+    return datetime.fromtimestamp(at_ms / 1000, tz=run.now.tzinfo)

@@ -1,0 +1,262 @@
+"""Walk a plan over a store: one native query a step, joins and scores in numpy above it.
+
+`execute` gives the answer without its sentence, which is the assistant's. What a store cannot
+judge is left out of the search, lowers the score and is told; it never turns a find into a no.
+"""
+
+from __future__ import annotations
+
+from datetime import datetime
+from time import perf_counter
+from typing import assert_never
+
+from d3a.answer import Answer
+from d3a.attributes import judged
+from d3a.changes import Slice, missing, moved, usual
+from d3a.conclude import conclude
+from d3a.joins import (
+    SYMMETRIC,
+    Related,
+    between_moments,
+    chain_moments,
+    holders,
+    pair_moments,
+    relate,
+    without_relation,
+)
+from d3a.match import Lexicon, candidates, rungs
+from d3a.moments import Found, in_slice, joined
+from d3a.parameters import Parameters
+from d3a.places import last_look, probability_inside
+from d3a.plan import (
+    Cover,
+    ExplainEmpty,
+    FilterPlace,
+    FindEdge,
+    FindLandmarks,
+    FindObjects,
+    FindSightings,
+    FindStays,
+    JudgeAttributes,
+    KeepMissing,
+    KeepMoved,
+    KeepUsual,
+    Measure,
+    Plan,
+    Rank,
+    Relate,
+    Step,
+)
+from d3a.rank import rank
+from d3a.run import Run, milliseconds
+from d3a.store.base import Encounter, Store
+from d3a.unfound import explain_empty
+from grammar.forms import ANYTHING
+
+
+def execute(
+    plan: Plan,
+    store: Store,
+    lexicon: Lexicon,
+    *,
+    now: datetime,
+    limit: int,
+    parameters: Parameters,
+) -> Answer:
+    """Return the answer of a plan, without its sentence.
+
+    now: aware; its zone is that of the answer's times. limit: most keyframes. Raises StoreError.
+    """
+    run = Run(plan.query, store, lexicon, now, parameters)
+    started = perf_counter()
+    ranking_ms = 0.0
+    for step in plan.steps:
+        before = perf_counter()
+        _take(run, step)
+        if isinstance(step, Rank | Measure):
+            ranking_ms += (perf_counter() - before) * 1000
+    answer = conclude(run, limit)
+    total_ms = (perf_counter() - started) * 1000
+    answer.elapsed_ms.update(retrieve=total_ms - ranking_ms, rank=ranking_ms, total=total_ms)
+    return answer
+
+
+def _take(run: Run, step: Step) -> None:
+    match step:
+        case FindObjects():
+            _find_objects(run, step)
+        case JudgeAttributes():
+            _judge(run, step)
+        case FindSightings():
+            _find_sightings(run, step)
+        case FindEdge():
+            _find_edge(run, step)
+        case FindStays():
+            _find_stays(run, step)
+        case FilterPlace():
+            _filter_place(run, step)
+        case Relate():
+            _relate(run, step)
+        case KeepMoved():
+            run.moments = moved(run.found[step.var], _slice(step.start, step.end))
+        case KeepMissing():
+            run.moments = missing(run.found[step.var], _slice(step.start, step.end))
+        case KeepUsual():
+            run.moments = usual(run.found[step.var], _slice(step.start, step.end))
+        case Measure():
+            pass  # `conclude` counts what is left, once it is known to be something
+        case Rank():
+            run.ranked = rank(
+                run.answering(step.var),
+                step.select,
+                spread=step.spread,
+                unjudged=len(run.unjudged),
+            )
+        case FindLandmarks():
+            run.find_landmarks()
+        case Cover():
+            _cover(run, step)
+        case ExplainEmpty():
+            if not run.ranked:
+                explain_empty(run, step)
+        case _:
+            assert_never(step)
+
+
+def _slice(start: datetime | None, end: datetime | None) -> Slice:
+    return Slice(milliseconds(start), milliseconds(end))
+
+
+def _find_objects(run: Run, step: FindObjects) -> None:
+    seen = run.categories()
+    worth = rungs(step, seen, run.lexicon)
+    if step.category == ANYTHING or step.precision == "any":
+        records = run.store.objects()
+    else:
+        records = run.store.objects(categories=list(worth)) if worth else []
+        known = {record.object_id for record in records}
+        named = run.named(step)
+        records += [record for record in named if record.object_id not in known]
+    found = candidates(step, records, worth)
+    table = Found({c.record.object_id: c for c in found})
+    table.known = bool(worth) or bool(found) or bool(rungs(step, run.classes() or (), run.lexicon))
+    run.found[step.var] = table
+    if step.owner not in (None, "me", "you") and found:
+        mine = any(n.owner == step.owner for c in found for n in c.record.names)
+        if not mine:
+            run.leave_out(f"{step.owner}'s")
+
+
+def _judge(run: Run, step: JudgeAttributes) -> None:
+    table = run.found[step.var]
+    if not table.candidates:
+        return
+    verdict = judged(step, list(table.candidates.values()), run.palette)
+    for words in verdict.unjudged:
+        run.leave_out(words)
+    table.refused = [c for name, c in table.candidates.items() if name not in verdict.kept]
+    table.candidates = verdict.kept
+
+
+def _find_sightings(run: Run, step: FindSightings) -> None:
+    table = run.found[step.var]
+    if not table.candidates:
+        return
+    start, end = milliseconds(step.start), milliseconds(step.end)
+    found = run.store.sightings(
+        object_ids=table.ids, start_ms=start, end_ms=None if end is None else end - 1
+    )
+    table.sightings = [s for s in joined(found) if in_slice(s, start, end)]
+
+
+def _find_edge(run: Run, step: FindEdge) -> None:
+    table = run.found[step.var]
+    if not table.candidates:
+        return
+    at = milliseconds(step.at)
+    if step.edge == "last":
+        found = run.store.edges(table.ids, "last", before_ms=at)
+    else:
+        found = run.store.edges(table.ids, "first", after_ms=at)
+    known = {(s.stay, s.start_ms) for s in table.sightings}
+    table.sightings += [s for s in found if (s.stay, s.start_ms) not in known]
+
+
+def _find_stays(run: Run, step: FindStays) -> None:
+    table = run.found[step.var]
+    if table.sightings:
+        ids = sorted({s.object_id for s in table.sightings})
+        table.stays = {stay.key: stay for stay in run.store.stays(object_ids=ids)}
+
+
+def _filter_place(run: Run, step: FilterPlace) -> None:
+    region = run.region(step.place)
+    table = run.found[step.var]
+    stays = sorted(table.stays.values(), key=lambda stay: stay.key)
+    if region is None or (stays and all(stay.position is None for stay in stays)):
+        run.leave_out(f"in the {step.place}")
+        return
+    run.before_place = run.answering(step.var)
+    inside = probability_inside(region, stays)
+    for stay, p in zip(stays, inside, strict=True):
+        if p == p:  # a stay without a position is in no room: it cannot be told
+            table.place[stay.key] = float(1 - p if step.negated else p)
+    table.sightings = [s for s in table.sightings if table.place.get(s.stay, 0.0) >= 0.5]
+
+
+def _relate(run: Run, step: Relate) -> None:
+    tables = [run.found[var] for var in step.vars]
+    figure, grounds = tables[0], tables[1:]
+    absent = [i for i, ground in enumerate(grounds) if not ground.candidates]
+    if absent and step.kind != "together":
+        # a surface that no detector knows: the figure is told without it
+        run.leave_out(run.relation_words(step, [run.term(step.vars[i + 1]) for i in absent]))
+        return
+    if not figure.candidates or (absent and not step.negated):
+        run.moments = []
+        return
+    if absent:  # nothing was ever seen that it could have been with
+        return
+    found = [_related(run, step, figure, ground) for ground in grounds]
+    if not all(one.judged for one in found):
+        run.leave_out(run.relation_words(step, [run.term(var) for var in step.vars[1:]]))
+        return
+    run.before_relation = run.answering(step.vars[0])
+    if step.keep == "figure":
+        held = holders(found[0])
+        wanted = {
+            stay: 1 - held.get(stay, 0.0) if step.negated else held.get(stay, 0.0)
+            for stay in figure.stays
+        }
+        figure.held |= wanted
+        figure.sightings = [s for s in figure.sightings if wanted.get(s.stay, 0.0) >= 0.5]
+    elif step.negated:
+        run.moments = without_relation(figure, found, grounds)
+    elif step.kind == "between":
+        run.moments = between_moments(figure, grounds, found)
+    else:
+        run.moments = pair_moments(found[0], figure, grounds[0])
+        for ground, related in zip(grounds[1:], found[1:], strict=True):
+            more = pair_moments(related, figure, ground)
+            run.moments = chain_moments(run.moments, more)
+
+
+def _related(run: Run, step: Relate, figure: Found, ground: Found) -> Related:
+    start, end = milliseconds(step.start), milliseconds(step.end)
+    encounters: list[Encounter] = run.store.encounters(
+        object_ids=figure.ids,
+        with_ids=ground.ids,
+        start_ms=start,
+        end_ms=None if end is None else end - 1,
+    )
+    inside = [e for e in encounters if end is None or e.start_ms < end]
+    once = step.kind in SYMMETRIC
+    return relate(step.kind, figure, ground, inside, run.parameters, once=once)
+
+
+def _cover(run: Run, step: Cover) -> None:
+    region = run.region(step.place) if step.place is not None else None
+    if region is None:
+        run.last_looked_ms = run.store.last_view_ms()
+    else:
+        run.last_looked_ms = last_look(run.store.views(), region)

@@ -1,0 +1,314 @@
+"""Join the sightings of two objects in time, and tell how likely a relation held between them.
+
+Above the store, in numpy: storage measurements showed this 4 to 900 times quicker than SQL.
+Two things meet in a shared frame (an encounter), or where their intervals overlap.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from d3a import relations
+from d3a.moments import Found, Moment, entry_of, positions
+from d3a.parameters import Parameters
+from d3a.places import sigma_of
+from d3a.relations import Pairs
+from d3a.store.base import Encounter, Sighting, StayKey
+from grammar.forms import RelationKind
+
+HOLDS = 0.5
+"""A relation is said to hold where it is more likely than not."""
+REACH_M = 4.0
+"""Things further apart than this, beyond their uncertainty, are in no relation that is asked."""
+_PART = 4_000_000  # pairs compared at once: keeps the join's memory under 100 MB
+SYMMETRIC: frozenset[RelationKind] = frozenset({"together", "near", "same_place"})
+
+
+@dataclass(frozen=True, slots=True)
+class Link:
+    """A figure's and a ground's sighting that meet in time.
+
+    encounter: the shared frame, None where only the intervals overlap.
+    """
+
+    figure: Sighting
+    ground: Sighting
+    start_ms: int
+    end_ms: int
+    encounter: Encounter | None = None
+
+
+def links(
+    figure: Found,
+    ground: Found,
+    encounters: Sequence[Encounter],
+    *,
+    timeless: bool = False,
+    once: bool = False,
+) -> list[Link]:
+    """Return where the sightings of figure and ground meet, shared frames first.
+
+    timeless: intervals need not overlap (the same place as). once: each unordered pair once, for
+    a symmetric relation of a category with itself. Ordered by start, then by ids and places.
+    """
+    shown = _spans(figure), _spans(ground)
+    shared = [link for e in encounters for link in _oriented(e, *shown)]
+    met = {(link.figure.stay, link.ground.stay) for link in shared}
+    apart = [
+        Link(a, b, max(a.start_ms, b.start_ms), min(a.end_ms, b.end_ms))
+        for a, b in _overlapping(figure, ground, timeless=timeless)
+        if (a.stay, b.stay) not in met and a.object_id != b.object_id
+    ]
+    found = shared + apart
+    if once:
+        found = [link for link in found if not _is_mirrored(link, figure, ground)]
+    return sorted(found, key=lambda k: (k.start_ms, k.figure.stay, k.ground.stay))
+
+
+def _is_mirrored(link: Link, figure: Found, ground: Found) -> bool:
+    a, b = link.figure.object_id, link.ground.object_id
+    return a > b and b in figure.candidates and a in ground.candidates
+
+
+def _spans(found: Found) -> dict[StayKey, list[tuple[int, int]]]:
+    spans: dict[StayKey, list[tuple[int, int]]] = {}
+    for sighting in found.sightings:
+        spans.setdefault(sighting.stay, []).append((sighting.start_ms, sighting.end_ms))
+    return spans
+
+
+def _oriented(
+    encounter: Encounter,
+    figures: dict[StayKey, list[tuple[int, int]]],
+    grounds: dict[StayKey, list[tuple[int, int]]],
+) -> list[Link]:
+    """Return the encounter as (figure, ground), both ways round where both may be either.
+
+    Only where it belongs to sightings that were found: those of the asked place and time.
+    """
+    out: list[Link] = []
+    first, second = _sightings_of(encounter)
+    for a, b in ((first, second), (second, first)):
+        if _shown(a, figures) and _shown(b, grounds):
+            out.append(Link(a, b, encounter.start_ms, encounter.end_ms, encounter))
+    return out
+
+
+def _shown(sighting: Sighting, spans: dict[StayKey, list[tuple[int, int]]]) -> bool:
+    return any(
+        start <= sighting.end_ms and end >= sighting.start_ms
+        for start, end in spans.get(sighting.stay, ())
+    )
+
+
+def _sightings_of(encounter: Encounter) -> tuple[Sighting, Sighting]:
+    """Return an encounter as two sightings in its own frame."""
+    first, second = (
+        Sighting(
+            object_id=name,
+            place=place,
+            start_ms=encounter.start_ms,
+            end_ms=encounter.end_ms,
+            frame=encounter.frame,
+            probability=encounter.probability,
+            box=box,
+            image=encounter.image,
+            seen=encounter.seen,
+            recording=encounter.recording,
+            viewer=encounter.viewer,
+        )
+        for name, place, box in (
+            (encounter.object_a, encounter.place_a, encounter.box_a),
+            (encounter.object_b, encounter.place_b, encounter.box_b),
+        )
+    )
+    return first, second
+
+
+def _overlapping(
+    figure: Found, ground: Found, *, timeless: bool
+) -> list[tuple[Sighting, Sighting]]:
+    """Return sightings whose intervals overlap and whose positions are within reach."""
+    a, b = figure.sightings, ground.sightings
+    if not a or not b:
+        return []
+    place_a = positions([figure.stays.get(s.stay) for s in a])
+    place_b = positions([ground.stays.get(s.stay) for s in b])
+    span_b = np.array([(s.start_ms, s.end_ms) for s in b], dtype=np.int64)
+    rows = max(1, _PART // len(b))
+    found: list[tuple[Sighting, Sighting]] = []
+    for at in range(0, len(a), rows):
+        part = a[at : at + rows]
+        span = np.array([(s.start_ms, s.end_ms) for s in part], dtype=np.int64)
+        meets = np.linalg.norm(place_a[at : at + rows, None] - place_b[None], axis=2) <= REACH_M
+        if not timeless:
+            meets &= (span[:, None, 0] <= span_b[None, :, 1]) & (
+                span[:, None, 1] >= span_b[None, :, 0]
+            )
+        found += [(part[i], b[j]) for i, j in zip(*np.nonzero(meets), strict=True)]
+    return found
+
+
+def pairs_of(found: Sequence[Link], figure: Found, ground: Found) -> Pairs:
+    """Return the geometry of links as arrays, a row a link."""
+    stays_a = [figure.stays.get(link.figure.stay) for link in found]
+    stays_b = [ground.stays.get(link.ground.stay) for link in found]
+    unknown_box, unknown_pose = (np.nan,) * 4, (np.nan,) * 7
+    sigma = [np.hypot(sigma_of(a), sigma_of(b)) for a, b in zip(stays_a, stays_b, strict=True)]
+    extents = [ground.candidates[link.ground.object_id].record.extent_m for link in found]
+    viewers = [
+        link.encounter.viewer if link.encounter else link.figure.viewer or link.ground.viewer
+        for link in found
+    ]
+    return Pairs(
+        position_a=positions(stays_a),
+        position_b=positions(stays_b),
+        sigma=np.array(sigma, dtype=np.float64),
+        box_a=_array([k.figure.box if k.encounter else unknown_box for k in found], 4),
+        box_b=_array([k.ground.box if k.encounter else unknown_box for k in found], 4),
+        viewer=_array([v if v else unknown_pose for v in viewers], 7),
+        width_b=np.array([e[0] if e else np.nan for e in extents], dtype=np.float64),
+    )
+
+
+def _array(rows: Sequence[Sequence[float]], width: int) -> NDArray[np.float64]:
+    return np.array(rows, dtype=np.float64).reshape(len(rows), width)
+
+
+@dataclass(frozen=True, slots=True)
+class Related:
+    """The links of a relation with how likely it held (n,), NaN where nothing tells."""
+
+    links: list[Link]
+    probability: NDArray[np.float64]
+
+    @property
+    def judged(self) -> bool:
+        """Whether the relation could be judged for any link, or there was none to judge."""
+        return len(self.links) == 0 or not bool(np.isnan(self.probability).all())
+
+
+def relate(
+    kind: RelationKind,
+    figure: Found,
+    ground: Found,
+    encounters: Sequence[Encounter],
+    parameters: Parameters,
+    *,
+    once: bool = False,
+) -> Related:
+    """Return where figure and ground meet, with how likely the relation held."""
+    met = links(figure, ground, encounters, timeless=kind == "same_place", once=once)
+    return Related(met, relations.probability(kind, pairs_of(met, figure, ground), parameters))
+
+
+def pair_moments(related: Related, figure: Found, ground: Found) -> list[Moment]:
+    """Return a moment a link whose relation is more likely than not."""
+    out: list[Moment] = []
+    for link, p in zip(related.links, related.probability, strict=True):
+        if p >= HOLDS:  # False for NaN
+            entries = (entry_of(figure, link.figure), entry_of(ground, link.ground))
+            out.append(Moment(entries, *_ordered(link), relation=float(p)))
+    return out
+
+
+def chain_moments(moments: Sequence[Moment], more: Sequence[Moment]) -> list[Moment]:
+    """Join moments of (x, y) with moments of (x, z) that share the figure's stay and overlap.
+
+    The relation holds as likely as both do; the interval is the common one.
+    """
+    by_stay: dict[StayKey, list[Moment]] = {}
+    for moment in more:
+        by_stay.setdefault(moment.figure.sighting.stay, []).append(moment)
+    out: list[Moment] = []
+    for moment in moments:
+        present = {entry.sighting.object_id for entry in moment.entries}
+        for other in by_stay.get(moment.figure.sighting.stay, []):
+            start = max(moment.start_ms, other.start_ms)
+            end = min(moment.end_ms, other.end_ms)
+            if start > end or other.entries[1].sighting.object_id in present:
+                continue
+            held = (moment.relation or 1.0) * (other.relation or 1.0)
+            out.append(Moment((*moment.entries, other.entries[1]), start, end, relation=held))
+    return out
+
+
+def between_moments(
+    figure: Found, grounds: Sequence[Found], found: Sequence[Related]
+) -> list[Moment]:
+    """Return the moments in which the figure was between one thing of each ground.
+
+    grounds, found: one for each of the two other things; the same twice for "between the chairs".
+    """
+    first, second = found[0].links, found[-1].links
+    by_stay: dict[StayKey, list[Link]] = {}
+    for link in second:
+        by_stay.setdefault(link.figure.stay, []).append(link)
+    both = [
+        (one, two)
+        for one in first
+        for two in by_stay.get(one.figure.stay, [])
+        if max(one.start_ms, two.start_ms) <= min(one.end_ms, two.end_ms)
+        and one.ground.object_id != two.ground.object_id
+        and (grounds[0] is not grounds[-1] or one.ground.object_id < two.ground.object_id)
+    ]
+    left = pairs_of([one for one, _ in both], figure, grounds[0])
+    right = pairs_of([two for _, two in both], figure, grounds[-1])
+    held = relations.between(left, right) if both else np.zeros(0)
+    out: list[Moment] = []
+    for (one, two), p in zip(both, held, strict=True):
+        if p >= HOLDS:
+            entries = (
+                entry_of(figure, one.figure),
+                entry_of(grounds[0], one.ground),
+                entry_of(grounds[-1], two.ground),
+            )
+            start, end = max(one.start_ms, two.start_ms), min(one.end_ms, two.end_ms)
+            out.append(Moment(entries, start, end, relation=float(p)))
+    return out
+
+
+def without_relation(
+    figure: Found, found: Sequence[Related], grounds: Sequence[Found]
+) -> list[Moment]:
+    """Return the figure's sightings in which no ground stood in the relation.
+
+    Each possible ground weakens it by how likely it was the asked thing and the relation held.
+    """
+    free: dict[StayKey, list[tuple[int, int, float]]] = {}
+    for related, ground in zip(found, grounds, strict=True):
+        for link, p in zip(related.links, related.probability, strict=True):
+            if p > 0:
+                candidate = ground.candidates[link.ground.object_id]
+                weight = float(p) * candidate.match
+                for probability in candidate.attributes.values():
+                    weight *= probability
+                spans = free.setdefault(link.figure.stay, [])
+                spans.append((link.start_ms, link.end_ms, weight))
+    out: list[Moment] = []
+    for sighting in figure.sightings:
+        absent = 1.0
+        for start, end, weight in free.get(sighting.stay, []):
+            if start <= sighting.end_ms and end >= sighting.start_ms:
+                absent *= 1.0 - min(weight, 1.0)
+        if absent >= HOLDS:
+            entry = entry_of(figure, sighting)
+            out.append(Moment((entry,), sighting.start_ms, sighting.end_ms, relation=absent))
+    return out
+
+
+def holders(related: Related) -> dict[StayKey, float]:
+    """Return, for each stay of the figure, how likely the relation ever held for it."""
+    best: dict[StayKey, float] = {}
+    for link, p in zip(related.links, related.probability, strict=True):
+        if p >= HOLDS:
+            best[link.figure.stay] = max(best.get(link.figure.stay, 0.0), float(p))
+    return best
+
+
+def _ordered(link: Link) -> tuple[int, int]:
+    return min(link.start_ms, link.end_ms), max(link.start_ms, link.end_ms)

@@ -1,0 +1,146 @@
+"""Words to objects: which objects of OIc a noun may mean, and how well it fits each.
+
+Paper: "Retrieving object instances" knows three rungs (the very object, its category, any
+object). Between them lie the words people use: a taught name, the detector's own spelling, a
+synonym, a narrower or a broader word. Each rung is worth less than the one before it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Protocol
+
+from d3a.plan import FindObjects
+from d3a.store.base import ObjectRecord
+from grammar.forms import ANYTHING
+
+EXACT = 1.0
+SYNONYM = 0.9
+"""The same category by another word: a mug was asked for, the detector knows cups."""
+NARROWER = 0.85
+"""A kind of what was asked for: a sports ball is a ball, but maybe not the one meant."""
+BROADER = 0.5
+"""What was asked for is a kind of it: a vehicle may be the truck."""
+
+
+class Lexicon(Protocol):
+    """What d3a needs to know of words; the grammar's vocabulary is one, a test's table another."""
+
+    def canonical(self, word: str) -> str:
+        """Return the category of a word after synonyms and spelling (`sportsball`), or itself."""
+        ...
+
+    def broader(self, category: str) -> Sequence[str]:
+        """Return the categories that take it in, nearest first."""
+        ...
+
+    def narrower(self, category: str) -> Sequence[str]:
+        """Return the categories that it takes in."""
+        ...
+
+    def nearest(self, word: str, among: Sequence[str]) -> Sequence[str]:
+        """Return up to three words of `among` that are like it, best first."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class Candidate:
+    """An object that a noun may mean.
+
+    match: 0..1, how well the word fits. attributes: word -> probability, "not red" for `without`.
+    unjudged: how many conditions on it nobody could judge.
+    """
+
+    record: ObjectRecord
+    match: float
+    attributes: Mapping[str, float] = field(default_factory=dict)
+    unjudged: int = 0
+
+
+def rungs(step: FindObjects, categories: Sequence[str], lexicon: Lexicon) -> dict[str, float]:
+    """Return the categories that the noun may mean, each with its worth in (0, 1].
+
+    categories: as the store or a detector spells them, in their order. The precision "perfect"
+    admits none, "category" what is the same category, "any" all.
+    """
+    if step.category == ANYTHING or step.precision == "any":
+        return dict.fromkeys(categories, EXACT)
+    if step.precision == "perfect":
+        return {}
+    asked = lexicon.canonical(step.category)
+    narrower = set(lexicon.narrower(asked))
+    broader = set(lexicon.broader(asked))
+    worth: dict[str, float] = {}
+    for category in categories:
+        own = lexicon.canonical(category)
+        if squash(category) == squash(step.word) or (own == asked and step.word == step.category):
+            worth[category] = EXACT
+        elif own == asked:
+            worth[category] = SYNONYM
+        elif step.precision == "category":
+            continue
+        elif own in narrower or _is_kind_of(own, asked):
+            worth[category] = NARROWER
+        elif own in broader:
+            worth[category] = BROADER
+    return worth
+
+
+def candidates(
+    step: FindObjects, records: Sequence[ObjectRecord], worth: Mapping[str, float]
+) -> list[Candidate]:
+    """Return the records that fit, in their order, with their match.
+
+    A taught name that is the word (and whose owner is the one asked for) fits fully. Else the
+    detector's votes count: an object called "cup" in nine of ten frames and "bowl" in one is a
+    bowl with a tenth of the worth.
+    """
+    found: list[Candidate] = []
+    for record in records:
+        if is_named(record, step):
+            found.append(Candidate(record, EXACT))
+            continue
+        votes = record.categories or ((record.category, 1.0),)
+        total = sum(weight for _, weight in votes)
+        match = sum(worth.get(category, 0.0) * weight for category, weight in votes)
+        match = match / total if total > 0 else worth.get(record.category, 0.0)
+        if match > 0:
+            found.append(Candidate(record, min(1.0, match)))
+    if step.owner is not None:
+        return owned(step, found)
+    return found
+
+
+def is_named(record: ObjectRecord, step: FindObjects) -> bool:
+    """Whether a person taught this object the asked word, and as the asked owner's where named."""
+    words = {squash(step.word), squash(step.category)}
+    return any(
+        squash(name.word) in words
+        and (step.owner in (None, "me", "you") or name.owner in (None, step.owner))
+        for name in record.names
+    )
+
+
+def owned(step: FindObjects, found: Sequence[Candidate]) -> list[Candidate]:
+    """Keep what is taught to be the owner's, where anything is; else all of it.
+
+    Whose a thing is cannot be seen: without a taught name the owner is not judged, never a no.
+    """
+    theirs = [
+        candidate
+        for candidate in found
+        if any(name.owner == step.owner for name in candidate.record.names)
+    ]
+    return theirs or list(found)
+
+
+def squash(word: str) -> str:
+    """Return a word without blanks, hyphens and case: detectors write `sportsball`."""
+    return "".join(ch for ch in word.lower() if ch.isalnum())
+
+
+def _is_kind_of(category: str, asked: str) -> bool:
+    """Whether the noun's head says so: a coffee cup is a cup."""
+    words = category.replace("_", " ").replace("-", " ").split()
+    return len(words) > 1 and words[-1] == asked

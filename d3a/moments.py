@@ -1,0 +1,154 @@
+"""What execution works on: found objects with their sightings, and the moments that answer.
+
+A moment is what a question asks for: one sighting of one object, or several objects in a relation
+over one interval.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field, replace
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from d3a.match import Candidate
+from d3a.store.base import Sighting, StayKey, StayRecord
+
+SPLIT_GAP_MS = 1
+"""Intervals of one stay at most this far apart were split for the store's limit alone."""
+
+
+@dataclass(slots=True)
+class Found:
+    """What a variable of the query stands for so far; steps narrow it.
+
+    candidates: by object id. place: how likely a sighting lies in the asked region.
+    held: how likely the relation that describes the object ever held for a stay.
+    refused: what the word means, but not the attributes.
+    known: whether a category, a taught name or a detector's class knows the word.
+    """
+
+    candidates: dict[str, Candidate] = field(default_factory=dict)
+    sightings: list[Sighting] = field(default_factory=list)
+    stays: dict[StayKey, StayRecord] = field(default_factory=dict)
+    place: dict[StayKey, float] = field(default_factory=dict)
+    held: dict[StayKey, float] = field(default_factory=dict)
+    known: bool = True
+    refused: list[Candidate] = field(default_factory=list)
+
+    @property
+    def ids(self) -> list[str]:
+        """Return the ids of the candidates, sorted."""
+        return sorted(self.candidates)
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """One object of a moment, with the picture that shows it.
+
+    place, held: see `Found`; 1.0 where nothing was asked.
+    """
+
+    candidate: Candidate
+    stay: StayRecord | None
+    sighting: Sighting
+    place: float = 1.0
+    held: float = 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class Moment:
+    """What was asked for, once: its entries (figure first), its closed interval.
+
+    relation: how likely the asked relation held. share: of the object's time at this place.
+    absent_ms: when the place was seen without the object, for what is missing.
+    """
+
+    entries: tuple[Entry, ...]
+    start_ms: int
+    end_ms: int
+    relation: float | None = None
+    share: float | None = None
+
+    @property
+    def figure(self) -> Entry:
+        """Return the entry of the query's first object."""
+        return self.entries[0]
+
+
+def joined(sightings: Iterable[Sighting]) -> list[Sighting]:
+    """Join intervals that were split for the store's limit, by (start, object_id, place).
+
+    The joined sighting has the keyframe of its most probable part; `seen` adds up.
+    """
+    ordered = sorted(sightings, key=lambda s: (s.object_id, s.place, s.start_ms))
+    out: list[Sighting] = []
+    for sighting in ordered:
+        last = out[-1] if out else None
+        if (
+            last is not None
+            and last.stay == sighting.stay
+            and sighting.start_ms - last.end_ms <= SPLIT_GAP_MS
+        ):
+            best = last if last.probability >= sighting.probability else sighting
+            out[-1] = replace(
+                best,
+                start_ms=last.start_ms,
+                end_ms=max(last.end_ms, sighting.end_ms),
+                seen=last.seen + sighting.seen,
+            )
+        else:
+            out.append(sighting)
+    return sorted(out, key=lambda s: (s.start_ms, s.object_id, s.place))
+
+
+def in_slice(sighting: Sighting, start_ms: int | None, end_ms: int | None) -> bool:
+    """Whether a closed interval meets the half-open slice [start, end)."""
+    return (end_ms is None or sighting.start_ms < end_ms) and (
+        start_ms is None or sighting.end_ms >= start_ms
+    )
+
+
+def entry_of(found: Found, sighting: Sighting) -> Entry:
+    """Return the entry of a sighting of one of the found objects."""
+    return Entry(
+        found.candidates[sighting.object_id],
+        found.stays.get(sighting.stay),
+        sighting,
+        found.place.get(sighting.stay, 1.0),
+        found.held.get(sighting.stay, 1.0),
+    )
+
+
+def single(found: Found, sighting: Sighting) -> Moment:
+    """Return the moment of one sighting."""
+    return Moment((entry_of(found, sighting),), sighting.start_ms, sighting.end_ms)
+
+
+def positions(stays: Sequence[StayRecord | None]) -> NDArray[np.float64]:
+    """Return the positions of stays (n, 3) in metres, NaN where unknown."""
+    unknown = (np.nan, np.nan, np.nan)
+    rows = [stay.position if stay and stay.position else unknown for stay in stays]
+    return np.array(rows, dtype=np.float64).reshape(-1, 3)
+
+
+def total_ms(intervals: Iterable[tuple[int, int]]) -> int:
+    """Return the length of the union of closed intervals."""
+    ordered = sorted(intervals)
+    merged: list[tuple[int, int]] = []
+    for start, end in ordered:
+        if merged and start <= merged[-1][1]:
+            merged[-1] = (merged[-1][0], max(merged[-1][1], end))
+        else:
+            merged.append((start, end))
+    return sum(end - start for start, end in merged)
+
+
+def changes_of_place(sightings: Sequence[Sighting]) -> list[tuple[Sighting, Sighting]]:
+    """Return (before, after) for each time one object was seen at another place than before.
+
+    sightings: of one object, by start.
+    """
+    return [(a, b) for a, b in pairwise(sightings) if a.place != b.place]

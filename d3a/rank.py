@@ -1,0 +1,150 @@
+"""Rank moments by their probability of correctness (paper: "ordered by their probability").
+
+The score is a product of what must all be true: the word means the object, the colour is the
+asked one, the detector was right, the relation held. Every factor is kept and told in `why`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from d3a.model import Json
+from d3a.moments import Entry, Moment
+from grammar.forms import Select
+
+TENTATIVE = 0.8
+"""A thing seen too seldom to be confirmed may be a mistake that its own probability hides."""
+UNJUDGED = 0.6
+"""A condition that nobody could judge may well not hold."""
+REPEAT = 0.5
+"""What a second keyframe of the same object at the same place is worth beside the first."""
+LEAST_OF_BEST = 0.5
+"""For first and last, time decides among those at least this likely against the best."""
+
+
+@dataclass(frozen=True, slots=True)
+class Ranked:
+    """A moment with its score 0..1 and the parts of it, one record an entry."""
+
+    moment: Moment
+    score: float
+    why: tuple[Json, ...]
+
+
+def rank(
+    moments: Sequence[Moment], select: Select, *, spread: bool, unjudged: int = 0
+) -> list[Ranked]:
+    """Return the moments best first.
+
+    "all": by score. "last" and "first": by time among those at least half as likely as the best,
+    each object at each place once before any twice; then the rest by score. "usual": by score,
+    which holds the share of time. Ties go by start, then by object id and place.
+    unjudged: how many conditions of the question were left out.
+    """
+    scored = [_scored(moment, unjudged) for moment in moments]
+    scored.sort(key=_by_score)
+    if select in ("last", "first"):
+        return _by_time(scored, newest=select == "last")
+    return sorted(_spread(scored), key=_by_score) if spread else scored
+
+
+def views_probability(probability: float, views: int) -> float:
+    """Return how likely a detection is right that was made `views` times with `probability`.
+
+    Looks at one thing agree with each other, so n of them count as the square root of n.
+    """
+    return 1.0 - math.pow(1.0 - min(probability, 0.999), math.sqrt(max(views, 1)))
+
+
+def entry_score(entry: Entry) -> tuple[float, Json]:
+    """Return how likely one entry is what was asked, 0..1, and the parts of that."""
+    candidate, stay = entry.candidate, entry.stay
+    views = stay.seen if stay is not None else entry.sighting.seen
+    detection = views_probability(entry.sighting.probability, views)
+    score = candidate.match * detection
+    why: Json = {
+        "match": round(candidate.match, 4),
+        "attributes": {word: round(p, 4) for word, p in candidate.attributes.items()},
+        "detection": round(entry.sighting.probability, 4),
+        "views": views,
+    }
+    for probability in candidate.attributes.values():
+        score *= probability
+    if candidate.record.tentative or (stay is not None and stay.tentative):
+        score *= TENTATIVE
+        why["tentative"] = TENTATIVE
+    for name, factor in (("place", entry.place), ("where", entry.held)):
+        if factor < 1.0:
+            score *= factor
+            why[name] = round(factor, 4)
+    return score, why
+
+
+def _scored(moment: Moment, unjudged: int) -> Ranked:
+    score, parts = 1.0, []
+    for entry in moment.entries:
+        own, why = entry_score(entry)
+        score *= own
+        parts.append(why)
+    extra: Json = {}
+    if moment.relation is not None:
+        score *= moment.relation
+        extra["relation"] = round(moment.relation, 4)
+    if moment.share is not None:
+        score *= moment.share
+        extra["share"] = round(moment.share, 4)
+    if unjudged:
+        score *= UNJUDGED**unjudged
+        extra["unjudged"] = round(UNJUDGED**unjudged, 4)
+    return Ranked(moment, min(1.0, max(0.0, score)), tuple(part | extra for part in parts))
+
+
+def _by_score(ranked: Ranked) -> tuple[float, int, str, int]:
+    sighting = ranked.moment.figure.sighting
+    return (-ranked.score, ranked.moment.start_ms, sighting.object_id, sighting.place)
+
+
+def _places(moment: Moment) -> tuple[tuple[str, int], ...]:
+    return tuple(entry.sighting.stay for entry in moment.entries)
+
+
+def _spread(scored: Sequence[Ranked]) -> list[Ranked]:
+    """Return the same with repeated objects at their places worth less."""
+    seen: dict[tuple[tuple[str, int], ...], int] = {}
+    out: list[Ranked] = []
+    for one in scored:
+        key = _places(one.moment)
+        times = seen.get(key, 0)
+        seen[key] = times + 1
+        if times == 0:
+            out.append(one)
+            continue
+        factor = REPEAT**times
+        why = tuple(part | {"repeat": round(factor, 6)} for part in one.why)
+        out.append(Ranked(one.moment, one.score * factor, why))
+    return out
+
+
+def _by_time(scored: Sequence[Ranked], *, newest: bool) -> list[Ranked]:
+    if not scored:
+        return []
+    least = scored[0].score * LEAST_OF_BEST
+    likely = [one for one in scored if one.score >= least]
+    rest = [one for one in scored if one.score < least]
+
+    def when(one: Ranked) -> tuple[int, float, str, int]:
+        sighting = one.moment.figure.sighting
+        moment = -one.moment.end_ms if newest else one.moment.start_ms
+        return (moment, -one.score, sighting.object_id, sighting.place)
+
+    likely.sort(key=when)
+    once: set[tuple[tuple[str, int], ...]] = set()
+    fresh: list[Ranked] = []
+    again: list[Ranked] = []
+    for one in likely:
+        key = _places(one.moment)
+        (again if key in once else fresh).append(one)
+        once.add(key)
+    return fresh + again + rest

@@ -1,0 +1,147 @@
+"""The state of one execution: what was found so far, what was left out, what was looked up."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from datetime import datetime
+
+from d3a.answer import Reason, Status
+from d3a.colours import HISTOGRAM_SIZE, Palette
+from d3a.match import Lexicon, squash
+from d3a.moments import Entry, Found, Moment, single
+from d3a.parameters import Parameters
+from d3a.places import Landmarks, landmark_categories, landmarks
+from d3a.plan import FindObjects, Relate
+from d3a.rank import Ranked
+from d3a.store.base import ObjectRecord, Region, Store
+from grammar.forms import ANYTHING, FormalQuery, ObjectTerm
+
+_WORDS = {
+    "in_front_of": "in front of",
+    "left_of": "left of",
+    "right_of": "right of",
+    "same_place": "in the same place as",
+    "together": "with",
+}
+
+
+@dataclass(slots=True)
+class Run:
+    """One walk over a plan. Steps read and narrow `found`; `moments` is None until joined.
+
+    before_place, before_relation: the moments that a place or a relation then refused.
+    unjudged: conditions left out, in the order of the question, none twice.
+    """
+
+    query: FormalQuery
+    store: Store
+    lexicon: Lexicon
+    now: datetime
+    parameters: Parameters
+    found: dict[str, Found] = field(default_factory=dict)
+    moments: list[Moment] | None = None
+    ranked: list[Ranked] = field(default_factory=list)
+    unjudged: list[str] = field(default_factory=list)
+    before_place: list[Moment] = field(default_factory=list)
+    before_relation: list[Moment] = field(default_factory=list)
+    last_looked_ms: int | None = None
+    landmarks: Landmarks | None = None
+    status: Status = "found"
+    reason: Reason | None = None
+    otherwise: Moment | None = None
+    suggestions: tuple[str, ...] = ()
+    _categories: list[str] | None = None
+    _classes: list[str] | None = None
+    _regions: list[Region] | None = None
+    _palette: Palette | None = None
+
+    def categories(self) -> list[str]:
+        """Return the categories of the store, by name."""
+        if self._categories is None:
+            self._categories = [category for category, _ in self.store.categories()]
+        return self._categories
+
+    def classes(self) -> list[str] | None:
+        """Return what the detectors that filled the store can recognise, None where unknown."""
+        if self._classes is None:
+            known = self.store.meta("classes")
+            self._classes = [str(word) for word in known] if known else []
+        return self._classes or None
+
+    def regions(self) -> list[Region]:
+        """Return the named rooms."""
+        if self._regions is None:
+            self._regions = self.store.regions()
+        return self._regions
+
+    def region(self, name: str | None) -> Region | None:
+        """Return the room of that name, None where nobody defined it."""
+        wanted = squash(name or "")
+        return next((r for r in self.regions() if squash(r.name) == wanted), None)
+
+    def palette(self) -> Palette:
+        """Return what the boxes of the whole store hold together, for colours."""
+        if self._palette is None:
+            _, matrix = self.store.embeddings()
+            usable = matrix.shape[1:] == (HISTOGRAM_SIZE,)
+            self._palette = Palette.of(matrix if usable else matrix[:0].reshape(0, HISTOGRAM_SIZE))
+        return self._palette
+
+    def named(self, step: FindObjects) -> list[ObjectRecord]:
+        """Return the objects that a person taught this word for; asks only where any name fits."""
+        words = {squash(step.word), squash(step.category)}
+        known = sorted({n.word for n in self.store.names() if squash(n.word) in words})
+        return self.store.objects(names=known) if known else []
+
+    def answering(self, var: str) -> list[Moment]:
+        """Return the moments so far: those of a relation, else the variable's sightings."""
+        if self.moments is not None:
+            return self.moments
+        found = self.found[var]
+        return [single(found, sighting) for sighting in found.sightings]
+
+    def leave_out(self, condition: str) -> None:
+        """Note a condition that this store cannot judge."""
+        if condition not in self.unjudged:
+            self.unjudged.append(condition)
+
+    def term(self, var: str) -> ObjectTerm:
+        """Return the object of the query behind a variable, `x.1` for what describes x."""
+        name, *deeper = var.split(".")
+        objects = self.query.objects or (ObjectTerm(ANYTHING),)
+        term = next(term for term in objects if term.var == name)
+        for _ in deeper:
+            assert term.where is not None
+            term = term.where.object
+        return term
+
+    def relation_words(self, step: Relate, terms: Sequence[ObjectTerm]) -> str:
+        """Return a relation as said: "on the desk"."""
+        kind = _WORDS.get(step.kind, step.kind)
+        things = " and the ".join(" ".join((*term.attributes, term.word)) for term in terms)
+        return f"{kind} the {things}"
+
+    def find_landmarks(self) -> None:
+        """Read the large static things, where there is a keyframe to tell."""
+        if not self.ranked and self.otherwise is None:
+            return
+        wanted = landmark_categories(self.categories(), self.lexicon)
+        records = self.store.objects(categories=wanted) if wanted else []
+        ids = [record.object_id for record in records if not record.tentative]
+        stays = self.store.stays(object_ids=ids) if ids else []
+        self.landmarks = landmarks(records, stays)
+
+    def near(self, entry: Entry) -> str | None:
+        """Return the landmark that an entry is told by, as a person spells it."""
+        if self.landmarks is None or entry.stay is None:
+            return None
+        name = self.landmarks.nearest(
+            entry.stay.position, entry.sighting.object_id, self.parameters.near_m
+        )
+        return self.lexicon.canonical(name) if name is not None else None
+
+
+def milliseconds(moment: datetime | None) -> int | None:
+    """Return UTC milliseconds of an aware time, rounded to the nearest; None stays None."""
+    return None if moment is None else round(moment.timestamp() * 1000)
