@@ -9,10 +9,12 @@ from time import perf_counter
 from typing import Literal, cast
 from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 
+from d3a.execute import execute
+from grammar.notation import looks_formal, read
+
 from assistant.lexicon import VocabularyLexicon
 from assistant.reply import sentence
 from d3a.answer import Answer, Status
-from d3a.execute import execute
 from d3a.model import Json
 from d3a.parameters import DEFAULT, PROFILES, Parameters
 from d3a.plan import Plan, Precision, plan
@@ -20,7 +22,6 @@ from d3a.store.base import NativeQuery, Store, StoreError
 from grammar import StoreWords, parse
 from grammar.errors import QuestionError
 from grammar.forms import FormalQuery
-from grammar.notation import looks_formal, read
 
 PRECISIONS: tuple[Precision, ...] = ("perfect", "category", "any")
 
@@ -80,7 +81,7 @@ def store_words(store: Store) -> StoreWords:
     classes = [str(word) for word in store.meta("classes") or ()]
     return StoreWords(
         categories=tuple(dict.fromkeys(seen + classes)),
-        names=tuple(dict.fromkeys(name.word for name in store.names())),
+        names=tuple((name.word, name.owner) for name in store.names()),
         places=tuple(region.name for region in store.regions()),
     )
 
@@ -230,9 +231,7 @@ def refusal(error: QuestionError) -> Answer:
 
 def failure(text: str, error: StoreError) -> Answer:
     """Return the answer of a store that failed; the message says which, and what would do."""
-    return Answer(
-        text=text, status="error", answer="I cannot reach my memory.", message=str(error)
-    )
+    return Answer(text=text, status="error", answer="I cannot reach my memory.", message=str(error))
 
 
 def _precision(word: str | None) -> Precision | None:

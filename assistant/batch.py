@@ -13,7 +13,7 @@ from d3a.answer import Answer
 from d3a.store.base import Store
 
 
-class BadLine(ValueError):
+class LineError(ValueError):
     """A line that is neither a question nor a record with one."""
 
 
@@ -22,7 +22,7 @@ def run(store: Store, lines: Iterable[str], *, now: datetime, limit: int = 50) -
 
     A line is a question, or a JSON object {"id", "text", "now"} of which `text` alone is needed;
     its `now` is ISO with an offset, else that of the home. A line that is neither gives an answer
-    with the status "error" and goes on.
+    with the status "not_understood" and goes on.
     """
     for line in lines:
         said = line.strip()
@@ -30,8 +30,14 @@ def run(store: Store, lines: Iterable[str], *, now: datetime, limit: int = 50) -
             continue
         try:
             text, name, moment = _question(said, now)
-        except BadLine as error:
-            yield Answer(text=said, status="error", answer=str(error), message=str(error))
+        except LineError as error:
+            yield Answer(
+                text=said,
+                status="not_understood",
+                position=0,
+                answer=str(error),
+                message=str(error),
+            )
             continue
         yield replace(ask(store, text, now=moment, limit=limit), id=name)
 
@@ -42,12 +48,12 @@ def _question(line: str, now: datetime) -> tuple[str, str | None, datetime]:
     try:
         record: Any = json.loads(line)
     except ValueError as error:
-        raise BadLine(f"This line is not JSON: {error}.") from error
+        raise LineError(f"This line is not JSON: {error}.") from error
     except RecursionError as error:
-        raise BadLine("This line is not JSON: it is nested too deeply.") from error
+        raise LineError("This line is not JSON: it is nested too deeply.") from error
     text = record.get("text")
     if not isinstance(text, str) or not text.strip():
-        raise BadLine('This record has no question: it needs a "text".')
+        raise LineError('This record has no question: it needs a "text".')
     name = record.get("id")
     return text, None if name is None else str(name), _moment(record.get("now"), now)
 
@@ -58,7 +64,7 @@ def _moment(given: object, now: datetime) -> datetime:
     try:
         moment = datetime.fromisoformat(str(given))
     except ValueError as error:
-        raise BadLine(f'The "now" of this record, {given!r}, is not an ISO time.') from error
+        raise LineError(f'The "now" of this record, {given!r}, is not an ISO time.') from error
     if moment.tzinfo is None:
         return moment.replace(tzinfo=now.tzinfo)
     return moment.astimezone(now.tzinfo)

@@ -28,6 +28,7 @@ def conclude(run: Run, limit: int) -> Answer:
         otherwise=_otherwise(run),
         unjudged=tuple(run.unjudged),
         suggestions=run.suggestions,
+        message=run.message,
         last_looked=_moment(run, run.last_looked_ms),
         truncated=truncated,
     )

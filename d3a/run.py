@@ -51,6 +51,7 @@ class Run:
     reason: Reason | None = None
     otherwise: Moment | None = None
     suggestions: tuple[str, ...] = ()
+    message: str | None = None
     _categories: list[str] | None = None
     _classes: list[str] | None = None
     _regions: list[Region] | None = None

@@ -20,6 +20,8 @@ def explain_empty(run: Run, step: ExplainEmpty) -> None:
     for term in run.query.objects:
         if not run.found[term.var].known and (term is run.query.objects[0] or _needed(run)):
             _unknown(run, term.category, term.word)
+            if term is not run.query.objects[0]:
+                run.message = f"“{term.word}” is neither a category nor a taught name here."
             return
     figure = run.found[step.var]
     if not figure.candidates:

@@ -1,0 +1,154 @@
+"""Small English: articles, plurals, lists, times and durations as a person says them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from datetime import UTC, datetime, timedelta
+
+from grammar import vocabulary
+from grammar.forms import TimeSlice
+
+WEEKDAYS = ("Monday", "Tuesday", "Wednesday", "Thursday", "Friday", "Saturday", "Sunday")
+MONTHS = (
+    *("January", "February", "March", "April", "May", "June", "July", "August", "September"),
+    *("October", "November", "December"),
+)
+NUMBERS = ("no", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten")
+_SILENT_H = ("hour", "honest", "heir")
+_YOU_SOUND = ("uni", "use", "uku", "eu", "one", "ute")
+_ALWAYS_MANY = frozenset(
+    {"scissors", "glasses", "sunglasses", "spectacles", "trousers", "jeans", "pants", "shorts"}
+    | {"pliers", "headphones", "clothes", "pajamas", "pyjamas", "tweezers", "binoculars"}
+    | {"tights", "leggings", "stairs"}
+)
+
+
+def article(words: str) -> str:
+    """Return the words with "a" or "an"; what is always many gets "some"."""
+    if is_many(words):
+        return f"some {words}"
+    first = words.lower()
+    vowel = first[:1] in "aeio" or first.startswith(_SILENT_H)
+    vowel = (vowel or (first[:1] == "u")) and not first.startswith(_YOU_SOUND)
+    return f"{'an' if vowel else 'a'} {words}"
+
+
+def is_many(words: str) -> bool:
+    """Whether the noun has no singular: scissors, glasses."""
+    return words.rpartition(" ")[2].lower() in _ALWAYS_MANY
+
+
+def plural(words: str) -> str:
+    """Return the plural of a noun phrase."""
+    return words if is_many(words) else vocabulary.plural(words)
+
+
+def counted(number: int, words: str) -> str:
+    """Return "two cups", "one cup", "no cups", "12 cups"."""
+    said = NUMBERS[number] if 0 <= number < len(NUMBERS) else str(number)
+    return f"{said} {words if number == 1 else plural(words)}"
+
+
+def times(number: int) -> str:
+    """Return "once", "twice", "three times", "12 times"."""
+    if number in (1, 2):
+        return ("once", "twice")[number - 1]
+    return f"{NUMBERS[number] if 0 <= number < len(NUMBERS) else number} times"
+
+
+def listed(words: Sequence[str]) -> str:
+    """Return "a", "a and b", "a, b and c"."""
+    if len(words) < 2:
+        return "".join(words)
+    return f"{', '.join(words[:-1])} and {words[-1]}"
+
+
+def sentence_case(words: str) -> str:
+    """Return the words with a capital first letter, the rest as it is."""
+    return words[:1].upper() + words[1:]
+
+
+def clock(moment: datetime) -> str:
+    """Return "9:42"."""
+    return f"{moment.hour}:{moment.minute:02d}"
+
+
+def day_of(moment: datetime, now: datetime) -> str:
+    """Return the day as `now` calls it: today, yesterday, on Friday, on Friday 3 May (2019)."""
+    days = (now.date() - moment.date()).days
+    if days == 0:
+        return "today"
+    if days == 1:
+        return "yesterday"
+    weekday = WEEKDAYS[moment.weekday()]
+    if 1 < days < 7:
+        return f"on {weekday}"
+    date = f"on {weekday} {moment.day} {MONTHS[moment.month - 1]}"
+    return date if moment.year == now.year else f"{date} {moment.year}"
+
+
+def ago(moment: datetime, now: datetime) -> str:
+    """Return how long ago, in real time and one unit: "20 minutes ago", "9 hours ago"."""
+    seconds = (now.astimezone(UTC) - moment.astimezone(UTC)).total_seconds()
+    if seconds < 0:
+        return "after the time you ask at"
+    if seconds < 60:
+        return "just now"
+    return f"{duration(seconds)} ago"
+
+
+def duration(seconds: float) -> str:
+    """Return a length of time in its largest unit, rounded: "25 minutes", "3 days"."""
+    steps = (
+        ("second", 1.0, 60.0),
+        ("minute", 60.0, 3600.0),
+        ("hour", 3600.0, 36 * 3600.0),
+        ("day", 86400.0, 60 * 86400.0),
+        ("month", 30.44 * 86400.0, 24 * 30.44 * 86400.0),
+        ("year", 365.25 * 86400.0, float("inf")),
+    )
+    for (name, unit, limit), following in zip(steps, (*steps[1:], steps[-1]), strict=True):
+        number = round(seconds / unit)
+        if seconds < limit and number * unit < limit:
+            return f"{number} {name}{'' if number == 1 else 's'}"
+        if seconds < limit:  # 59.9 minutes are an hour
+            name, unit, _ = following
+            return f"{max(1, round(seconds / unit))} {name}"
+    raise AssertionError("unreachable: the last unit has no limit")
+
+
+def when(moment: datetime, now: datetime) -> str:
+    """Return day, clock and distance: "today at 9:42, 9 hours ago"."""
+    local = moment.astimezone(now.tzinfo)
+    return f"{day_of(local, now)} at {clock(local)}, {ago(local, now)}"
+
+
+def slice_words(time: TimeSlice, now: datetime) -> str:
+    """Return a slice as it was taken: "between 8:00 and 11:00 today", "since Monday at 9:00"."""
+    start = time.start.astimezone(now.tzinfo) if time.start else None
+    end = time.end.astimezone(now.tzinfo) if time.end else None
+    if start is not None and start == end:
+        return f"{day_of(start, now)} at {clock(start)}"
+    if start is None or end is None:
+        edge, word = (end, "before") if end is not None else (start, "since")
+        if edge is None:
+            return "at any time"
+        return f"{word} {day_of(edge, now).removeprefix('on ')} at {clock(edge)}"
+    return _both_ends(start, end, now)
+
+
+def _both_ends(start: datetime, end: datetime, now: datetime) -> str:
+    midnights = (start.hour, start.minute, end.hour, end.minute) == (0, 0, 0, 0)
+    last = end - timedelta(days=1)
+    if midnights and last.date() == start.date():
+        return day_of(start, now)
+    if midnights:
+        first, final = (day_of(m, now).removeprefix("on ") for m in (start, last))
+        return f"from {first} to {final}"
+    until_midnight = (end.hour, end.minute) == (0, 0) and last.date() == start.date()
+    if start.date() == end.date() or until_midnight:
+        return f"between {clock(start)} and {'midnight' if until_midnight else clock(end)} " + (
+            day_of(start, now)
+        )
+    first, final = (day_of(m, now).removeprefix("on ") for m in (start, end))
+    return f"between {first} at {clock(start)} and {final} at {clock(end)}"

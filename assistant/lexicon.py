@@ -1,0 +1,49 @@
+"""The grammar's vocabulary as d3a needs it: `d3a.match.Lexicon` with the words of the language."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from rapidfuzz import fuzz, process
+
+from grammar import vocabulary
+
+LEAST_ALIKE = 60.0
+"""Words less alike than this, of 100, are no suggestion for each other."""
+
+
+class VocabularyLexicon:
+    """Synonyms, broader and narrower words of the vocabulary files; nearness by spelling."""
+
+    def canonical(self, word: str) -> str:
+        """Return the category of a word after plural, synonyms and detector spelling."""
+        return vocabulary.canonical(word.replace("_", " ").lower())
+
+    def broader(self, category: str) -> Sequence[str]:
+        """Return the wider words, nearest first."""
+        return vocabulary.broader(category)
+
+    def narrower(self, category: str) -> Sequence[str]:
+        """Return the categories that a wider word takes in, and what those take in."""
+        found: list[str] = []
+        waiting = list(vocabulary.narrower(category))
+        while waiting:
+            word = waiting.pop(0)
+            if word not in found:
+                found.append(word)
+                waiting += vocabulary.narrower(word)
+        return tuple(found)
+
+    def nearest(self, word: str, among: Sequence[str]) -> Sequence[str]:
+        """Return up to three words like `word`: of one kind with it first, then by spelling.
+
+        Words of one kind share a broader word: a wallet is nearer to a handbag than to a wall.
+        """
+        kinds = set(self.broader(self.canonical(word)))
+        kin = [w for w in among if kinds & {*self.broader(self.canonical(w)), self.canonical(w)}]
+        alike = process.extract(word, among, scorer=fuzz.ratio, score_cutoff=LEAST_ALIKE, limit=3)
+        return tuple(
+            dict.fromkeys(
+                [*(w for w, score, _ in alike if score >= 80), *kin] + [w for w, _, _ in alike]
+            )
+        )[:3]
