@@ -75,5 +75,6 @@ class Coverage:
 
     def restore(self, record: Json | None) -> None:
         """Go on with the view that `to_state` described."""
-        known = {"site": self.site, "recording": self.recording}
-        self.open = None if record is None else View(**record, **known)
+        self.open = None
+        if record is not None:
+            self.open = View(**record, site=self.site, recording=self.recording)

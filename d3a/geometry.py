@@ -40,9 +40,24 @@ def quaternion(matrix: Floats) -> tuple[float, float, float, float]:
     m = matrix
     candidates = np.array(
         [
-            [1 + m[0, 0] - m[1, 1] - m[2, 2], m[0, 1] + m[1, 0], m[0, 2] + m[2, 0], m[2, 1] - m[1, 2]],
-            [m[0, 1] + m[1, 0], 1 - m[0, 0] + m[1, 1] - m[2, 2], m[1, 2] + m[2, 1], m[0, 2] - m[2, 0]],
-            [m[0, 2] + m[2, 0], m[1, 2] + m[2, 1], 1 - m[0, 0] - m[1, 1] + m[2, 2], m[1, 0] - m[0, 1]],
+            [
+                1 + m[0, 0] - m[1, 1] - m[2, 2],
+                m[0, 1] + m[1, 0],
+                m[0, 2] + m[2, 0],
+                m[2, 1] - m[1, 2],
+            ],
+            [
+                m[0, 1] + m[1, 0],
+                1 - m[0, 0] + m[1, 1] - m[2, 2],
+                m[1, 2] + m[2, 1],
+                m[0, 2] - m[2, 0],
+            ],
+            [
+                m[0, 2] + m[2, 0],
+                m[1, 2] + m[2, 1],
+                1 - m[0, 0] - m[1, 1] + m[2, 2],
+                m[1, 0] - m[0, 1],
+            ],
             [m[2, 1] - m[1, 2], m[0, 2] - m[2, 0], m[1, 0] - m[0, 1], 1 + np.trace(m)],
         ]
     )
@@ -129,7 +144,9 @@ def locate(
         return _placed(detection, np.array(pose.position), np.eye(3) * far**2)
     found = spot or _unmeasured(parameters)
     x1, y1, x2, y2 = detection.box
-    ray = np.array([((x1 + x2) / 2 - camera.cx) / camera.fx, ((y1 + y2) / 2 - camera.cy) / camera.fy, 1])
+    ray = np.array(
+        [((x1 + x2) / 2 - camera.cx) / camera.fx, ((y1 + y2) / 2 - camera.cy) / camera.fy, 1]
+    )
     turn = rotation(pose)
     position = turn @ (ray * found.depth_m) + np.array(pose.position)
     across = np.eye(3) * found.sideways_sigma_m**2

@@ -122,3 +122,12 @@ def encode(pixels: Pixels, max_side: int, quality: int) -> bytes:
     if not fine:
         raise BadInput(f"a picture of {width} x {height} cannot be encoded")
     return bytes(buffer)
+
+
+def check(image: Image) -> None:
+    """Raise BadInput for a picture that is missing, empty or cut off, without decoding it."""
+    if isinstance(image, np.ndarray):
+        return
+    content = _content(image)
+    if not content or is_cut(content):
+        raise BadInput("the picture is empty or cut off")

@@ -87,9 +87,7 @@ class CategoryModel:
         wrong = self.parameters.confusion
         return math.log(((1 - wrong) * share + wrong * common) / common)
 
-    def ratios(
-        self, categories: Sequence[str], votes: Sequence[Mapping[str, float]]
-    ) -> Floats:
+    def ratios(self, categories: Sequence[str], votes: Sequence[Mapping[str, float]]) -> Floats:
         """Return the evidence of each detection's category for each thing, (n, m)."""
         rows = [[self.ratio(category, each) for each in votes] for category in categories]
         return np.array(rows, dtype=np.float64).reshape(len(categories), len(votes))

@@ -81,6 +81,9 @@ class PaperPipeline:
         if known is None:  # the others of this instance are shown under its new name
             self._dirty |= {e.serial for e in self._stm if e.instance == entry.instance}
 
+    def end_look(self) -> None:
+        """Do nothing: the paper draws no conclusion from what is not seen."""
+
     # what a question sees of the STM
     def _withdraw(self, entry: Entry) -> None:
         """Take an entry's volatile records back; an object goes with its last one."""

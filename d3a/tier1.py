@@ -89,9 +89,9 @@ class SlidingWindow:
         window = [m for _, members in self.frames for m in members] + fresh
         if not fresh or len(window) < MIN_SAMPLES:
             return
-        near = np.asarray(distances(fresh, window, self._parameters) <= 1.0)
+        near = np.argwhere(np.asarray(distances(fresh, window, self._parameters)) <= 1.0)
         offset = len(window) - len(fresh)
-        for i, j in np.argwhere(near):
+        for i, j in near.tolist():
             if j < offset + i:  # each pair once, none with itself
                 fresh[i].neighbours.append(window[j])
                 window[j].neighbours.append(fresh[i])

@@ -1,1 +1,1 @@
-"""TBD."""
+"""Detectors: what names the things in a frame."""

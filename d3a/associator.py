@@ -1,0 +1,241 @@
+"""The associator: scenes go in, batches for the store come out, at checkpoints.
+
+One class for both profiles; they differ in the operators of their tiers (`paper.py`,
+`tracker.py`). A checkpoint puts the data, the state that explains it and the recording's progress
+in one batch: an ingest that was killed and is run again ends in the same store as one that was
+not.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any, Protocol
+
+from d3a.checkpoint import Arrays, pack, unpack
+from d3a.coverage import Coverage
+from d3a.ledger import Ledger
+from d3a.model import Image, Json
+from d3a.paper import PaperPipeline
+from d3a.parameters import Parameters
+from d3a.pictures import Pictures
+from d3a.readers.base import RecordingFacts, Skipped
+from d3a.sightings import Event, Scene
+from d3a.store.base import Batch, RecordingRecord, Region, Store, StoreRefused
+from d3a.tier3 import Stored
+from d3a.tracker import TrackerPipeline
+
+
+class Pipeline(Protocol):
+    """The three tiers of a profile, over a ledger."""
+
+    def observe(self, scene: Scene) -> None:
+        """Take a frame through the tiers."""
+        ...
+
+    def end_look(self) -> None:
+        """Judge what the robot saw from the viewpoint that it has left."""
+        ...
+
+    def write(self) -> None:
+        """Put what changed since the last call into the ledger."""
+        ...
+
+    def flush(self) -> None:
+        """End a recording: nothing stays in memory."""
+        ...
+
+    def images(self) -> set[str]:
+        """Return keys of pictures that later records may refer to."""
+        ...
+
+    def take_events(self) -> list[Event]:
+        """Return what became of detections and entries since the last call."""
+        ...
+
+    def to_state(self) -> tuple[Json, Arrays]:
+        """Return everything that `restore` needs."""
+        ...
+
+    def restore(self, record: Json, arrays: Arrays) -> None:
+        """Go on where `to_state` was called."""
+        ...
+
+
+def check_filled_alike(store: Store, parameters: Parameters, embedding_model: str) -> None:
+    """Raise StoreRefused where the store was filled in another way, which cannot be mixed."""
+    recorded = store.meta("parameters")
+    if recorded is None:
+        return
+    differing = parameters.differences(recorded)
+    if "profile" in differing:
+        raise StoreRefused(
+            f"{store.uri} was filled with the profile {recorded.get('profile')!r}, not "
+            f"{parameters.profile!r}: use that profile, or another store"
+        )
+    if differing:
+        was = ", ".join(f"{name} = {recorded.get(name)}" for name in differing[:5])
+        raise StoreRefused(
+            f"{store.uri} was filled with other parameters ({was}): use those, or another store"
+        )
+    model = store.meta("embedding_model")
+    if model not in (None, embedding_model):
+        raise StoreRefused(
+            f"{store.uri} holds embeddings of {model!r}, the recording has {embedding_model!r}: "
+            "looks of different kinds cannot be compared; use another store"
+        )
+
+
+class Associator:
+    """Feeds scenes to the tiers of the profile and writes checkpoints to the store."""
+
+    def __init__(
+        self,
+        store: Store,
+        parameters: Parameters,
+        facts: RecordingFacts,
+        key: str,
+        embedding_model: str,
+    ) -> None:
+        check_filled_alike(store, parameters, embedding_model)
+        self._store = store
+        self._parameters = parameters
+        self._facts = facts
+        self._key = key
+        self._model = embedding_model
+        self._ledger = Ledger(store)
+        self._pictures = Pictures(parameters)
+        self._coverage = Coverage(parameters, facts.site, facts.name)
+        self._categories: set[str] = set(store.meta("categories") or ())
+        self._pipeline = self._new_pipeline()
+        self.consumed = 0
+        """Frames of the recording that were taken from the reader, usable or not."""
+        self.skipped = Skipped()
+        """What was left out after the reader: it is not counted again when an ingest goes on."""
+        self.record = RecordingRecord(
+            key, facts.name, facts.site, facts.zone, 0, 0, None, None, None, False
+        )
+        self._resume()
+
+    def _new_pipeline(self) -> Pipeline:
+        stored = Stored(self._facts.site, self._model)
+        if self._parameters.profile == "paper":
+            return PaperPipeline(self._ledger, stored, self._parameters)
+        outside = int(self._store.counts()["objects"])
+        return TrackerPipeline(self._ledger, stored, self._parameters, outside)
+
+    def _resume(self) -> None:
+        """Go on from the store's checkpoint; another recording's is brought to its end first."""
+        known = {record.key: record for record in self._store.recordings()}
+        if self._key in known:
+            self.record = known[self._key]
+        state = self._store.state()
+        if state is None:
+            return
+        record, arrays = unpack(state)
+        self._pipeline.restore(record["pipeline"], arrays)
+        self._pictures.unreadable.update(record["unreadable"])
+        if record["recording"] == self._key:
+            self.consumed = record["consumed"]
+            self.skipped.counts.update(record["skipped"])
+            self.skipped.examples.update(record["examples"])
+            self._coverage.restore(record["view"])
+        elif record["recording"] is not None:
+            self._pipeline.flush()
+
+    def add(self, scene: Scene, image: Image | None) -> None:
+        """Take a scene in; image: its picture as it came, for keyframes."""
+        ref = scene.ref
+        if image is not None and ref.image is not None:
+            self._pictures.add(ref.image, image, ref.time_ms)
+        ended = self._coverage.add(ref.time_ms, scene.pose, scene.camera)
+        if ended is not None:
+            self._ledger.put_view(ended)
+            self._pipeline.end_look()
+        self._pipeline.observe(scene)
+        self._categories.update(d.category for d in scene.detections)
+        old = self.record
+        self.record = replace(
+            old,
+            frames=old.frames + 1,
+            detections=old.detections + len(scene.detections),
+            first_ms=ref.time_ms if old.first_ms is None else old.first_ms,
+            last_ms=ref.time_ms,
+            last_frame=ref.name,
+            done=False,
+        )
+
+    def take_events(self) -> list[Event]:
+        """Return what became of detections since the last call."""
+        return self._pipeline.take_events()
+
+    def finish(self) -> None:
+        """End the recording: flush the tiers; `checkpoint(done=True)` is to follow."""
+        self._pipeline.flush()
+
+    def checkpoint(self, reader_skipped: Skipped, *, done: bool = False) -> None:
+        """Write everything so far to the store, in one batch that becomes visible at once."""
+        self._pipeline.write()
+        if self._coverage.open is not None:
+            self._ledger.put_view(self._coverage.open)
+        if done:
+            self._coverage.open = None
+        fields = self._ledger.batch_fields()
+        wanted = {r.image for r in (*fields["sightings"], *fields["encounters"]) if r.image}
+        keyframes = self._pictures.take(wanted | self._pipeline.images(), self.skipped)
+        for kind in ("sightings", "encounters"):
+            fields[kind] = [self._without_unreadable(record) for record in fields[kind]]
+        counts = dict(reader_skipped.counts)
+        for reason, count in self.skipped.counts.items():
+            counts[reason] = counts.get(reason, 0) + count
+        self.record = replace(self.record, done=done, skipped=tuple(sorted(counts.items())))
+        batch = Batch(
+            **fields,
+            keyframes=keyframes,
+            regions=self._regions(),
+            recordings=[self.record],
+            meta=self._meta(),
+            state=self._state(done),
+        )
+        self._store.apply(batch)
+        self._ledger.clear()
+        if done:
+            self._store.collect_keyframes()
+
+    def _without_unreadable(self, record: Any) -> Any:
+        return replace(record, image=None) if record.image in self._pictures.unreadable else record
+
+    def _regions(self) -> list[Region]:
+        known = {region.name for region in self._store.regions()}
+        return [
+            Region(name, polygon, self._facts.site)
+            for name, polygon in self._facts.regions.polygons
+            if name not in known  # a person may have drawn it anew
+        ]
+
+    def _meta(self) -> dict[str, Any]:
+        meta: dict[str, Any] = {
+            "parameters": self._parameters.to_json(),
+            "profile": self._parameters.profile,
+            "embedding_model": self._model,
+            "categories": sorted(self._categories),
+        }
+        for name, value in (("zone", self._facts.zone), ("now", self._facts.now)):
+            if value is not None and self._store.meta(name) is None:
+                meta[name] = value
+        if self._facts.classes:
+            known = set(self._store.meta("classes") or ())
+            meta["classes"] = sorted(known.union(self._facts.classes))
+        return meta
+
+    def _state(self, done: bool) -> bytes:
+        pipeline, arrays = self._pipeline.to_state()
+        record: Json = {
+            "pipeline": pipeline,
+            "recording": None if done else self._key,
+            "consumed": 0 if done else self.consumed,
+            "skipped": {} if done else self.skipped.counts,
+            "examples": {} if done else self.skipped.examples,
+            "view": None if done else self._coverage.to_state(),
+            "unreadable": [] if done else sorted(self._pictures.unreadable),
+        }
+        return pack(record, arrays)

@@ -1,0 +1,116 @@
+"""Default profile: which things were seen in one frame, as intervals with their best frame."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, replace
+from itertools import combinations
+
+from d3a.ledger import Ledger
+from d3a.model import Box, Json
+from d3a.moves import rename
+from d3a.parameters import Parameters
+from d3a.sightings import FrameRef
+from d3a.store.base import Encounter, StayKey
+
+Pair = tuple[StayKey, StayKey]
+
+
+class Encounters:
+    """The encounters that may still grow; those that changed are written with the rest."""
+
+    def __init__(self, parameters: Parameters) -> None:
+        self._parameters = parameters
+        self._open: dict[Pair, Encounter] = {}
+        self._dirty: set[Pair] = set()
+
+    def add(self, ref: FrameRef, seen: list[tuple[StayKey, Box, float]], ledger: Ledger) -> None:
+        """Take in what one frame shows: stays with their boxes and probabilities."""
+        gap_ms = self._parameters.interval_gap_s * 1000
+        longest_ms = self._parameters.max_interval_s * 1000
+        for (a, box_a, p_a), (b, box_b, p_b) in combinations(sorted(seen), 2):
+            if a[0] == b[0]:
+                continue
+            pair = (a, b)
+            old = self._open.get(pair)
+            if old is not None and ref.time_ms - old.end_ms <= gap_ms:
+                if ref.time_ms - old.start_ms <= longest_ms:
+                    self._open[pair] = _grown(old, ref, box_a, box_b, p_a * p_b)
+                    self._dirty.add(pair)
+                    continue
+                start_ms = old.end_ms + 1
+            else:
+                start_ms = ref.time_ms
+            if old is not None and pair in self._dirty:
+                ledger.put_encounter(old)
+            self._open[pair] = Encounter(
+                a[0], b[0], a[1], b[1], start_ms, ref.time_ms, ref.name, box_a, box_b,
+                p_a * p_b, ref.image, 1, ref.recording, ref.viewer,
+            )  # fmt: skip
+            self._dirty.add(pair)
+
+    def write(self, ledger: Ledger) -> None:
+        """Put what changed into the ledger."""
+        for pair in sorted(self._dirty):
+            ledger.put_encounter(self._open[pair])
+        self._dirty.clear()
+
+    def prune(self, now_ms: int) -> None:
+        """Forget what a pause has closed; it is written."""
+        gap_ms = self._parameters.interval_gap_s * 1000
+        self._open = {
+            pair: each
+            for pair, each in self._open.items()
+            if now_ms - each.end_ms <= gap_ms or pair in self._dirty
+        }
+
+    def forget(self, object_id: str) -> None:
+        """Forget the encounters of an object that is no more."""
+        kept = {p: e for p, e in self._open.items() if object_id not in (p[0][0], p[1][0])}
+        self._open = kept
+        self._dirty &= kept.keys()
+
+    def rename(self, was: StayKey, becomes: StayKey) -> None:
+        """Go on under a stay's new name; what was written was renamed by the move itself."""
+        renamed: dict[Pair, Encounter] = {}
+        for pair, each in self._open.items():
+            if was not in pair:
+                renamed[pair] = each
+            elif (other := rename(each, was, becomes)) is not None:
+                key = ((other.object_a, other.place_a), (other.object_b, other.place_b))
+                renamed[key] = other
+        self._open = renamed
+        self._dirty.clear()
+
+    def to_state(self) -> Json:
+        """Return the open encounters as JSON."""
+        return {"open": [asdict(self._open[pair]) for pair in sorted(self._open)]}
+
+    def restore(self, record: Json) -> None:
+        """Go on where `to_state` was called."""
+        for each in record["open"]:
+            (ax, ay, aw, ah), (bx, by, bw, bh) = each.pop("box_a"), each.pop("box_b")
+            viewer = each.pop("viewer")
+            encounter = Encounter(
+                **each,
+                box_a=(ax, ay, aw, ah),
+                box_b=(bx, by, bw, bh),
+                viewer=None if viewer is None else tuple(viewer),
+            )
+            a = (encounter.object_a, encounter.place_a)
+            self._open[a, (encounter.object_b, encounter.place_b)] = encounter
+
+
+def _grown(old: Encounter, ref: FrameRef, box_a: Box, box_b: Box, probability: float) -> Encounter:
+    grown = replace(old, end_ms=ref.time_ms, seen=old.seen + 1)
+    if probability <= old.probability:
+        return grown
+    return replace(
+        grown,
+        frame=ref.name,
+        box_a=box_a,
+        box_b=box_b,
+        probability=probability,
+        image=ref.image,
+        recording=ref.recording,
+        viewer=ref.viewer,
+    )

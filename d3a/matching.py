@@ -1,0 +1,283 @@
+"""Default profile, tier 2: which thing each detection of a frame is.
+
+One-to-one by likelihood, twice: the first assignment tells how far off the whole frame is (a
+localisation's error is common to all its detections, and drifts slowly), the second uses that.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from d3a import likelihood
+from d3a.geometry import pose_covariance
+from d3a.likelihood import CategoryModel
+from d3a.memory import Known, Memory, Place
+from d3a.model import Json, Pose
+from d3a.parameters import Parameters
+from d3a.tier1 import Thing
+
+Floats = NDArray[np.float64]
+NEVER = -1e9
+"""Score of a pair that is not compared: out of the gate."""
+
+
+@dataclass(frozen=True, slots=True)
+class Observed:
+    """The things of a frame as arrays. Unknown positions are NaN, unknown looks zeros.
+
+    places: (n, 3). noise: (n, 3, 3), each detection's own. looks: (n, d), d = 0 without pictures.
+    """
+
+    things: tuple[Thing, ...]
+    places: Floats
+    noise: Floats
+    looks: NDArray[np.float32]
+
+    @classmethod
+    def of(cls, things: list[Thing], is_histogram: bool) -> Observed:
+        """Return the arrays of a frame's things."""
+        unknown = (math.nan,) * 3
+        detections = [thing.detection for thing in things]
+        places = np.array([d.position or unknown for d in detections], dtype=np.float64)
+        noise = np.array([d.covariance or (0.0,) * 9 for d in detections], dtype=np.float64)
+        found = [
+            None if d.embedding is None else likelihood.feature(d.embedding, is_histogram)
+            for d in detections
+        ]
+        length = next((len(row) for row in found if row is not None), 0)
+        none = np.zeros(length, dtype=np.float32)
+        looks = np.array([none if row is None else row for row in found], dtype=np.float32)
+        count = len(things)
+        return cls(
+            tuple(things),
+            places.reshape(count, 3),
+            noise.reshape(count, 3, 3),
+            looks.reshape(count, length),
+        )
+
+
+@dataclass(slots=True)
+class FrameOffset:
+    """How far the frame's localisation is off the map of things: a slow Kalman state.
+
+    It decays to zero over `pose_tau_s`, as a localisation that lost its way finds it again.
+    """
+
+    parameters: Parameters
+    mean: Floats
+    covariance: Floats
+    time_ms: int | None = None
+
+    @classmethod
+    def unknown(cls, parameters: Parameters) -> FrameOffset:
+        """Return the state before any frame."""
+        return cls(parameters, np.zeros(3), np.zeros((3, 3)))
+
+    def predict(self, time_ms: int, pose: Pose | None) -> None:
+        """Go to the time of a frame whose pose claims this error."""
+        if pose is None:  # a position then is the recording's own, and errs by its covariance
+            self.mean, self.covariance, self.time_ms = np.zeros(3), np.zeros((3, 3)), None
+            return
+        prior = pose_covariance(pose, self.parameters)
+        keep = 0.0
+        if self.time_ms is not None:
+            passed_s = abs(time_ms - self.time_ms) / 1000
+            keep = math.exp(-passed_s / self.parameters.pose_tau_s)
+        self.mean = self.mean * keep
+        self.covariance = self.covariance * keep**2 + prior * (1 - keep**2)
+        self.time_ms = time_ms
+
+    def correct(self, residuals: Floats, noise: Floats) -> None:
+        """Take in how far known things (n, 3) were off, with their covariances (n, 3, 3).
+
+        Each weighs the less the farther it is off what was expected, as it may be mistaken.
+        """
+        if len(residuals) == 0 or not self.covariance.any():
+            return
+        dof = self.parameters.outlier_dof
+        squared, _ = likelihood.mahalanobis(residuals - self.mean, noise + self.covariance)
+        weight = np.minimum(1.0, (dof + 3) / (dof + squared))
+        precision = np.linalg.inv(noise) * weight[:, None, None]
+        prior = np.linalg.inv(self.covariance)
+        self.covariance = np.linalg.inv(prior + precision.sum(axis=0))
+        pull = prior @ self.mean + np.einsum("nij,nj->i", precision, residuals)
+        self.mean = self.covariance @ pull
+
+    def to_state(self) -> Json:
+        """Return the state as JSON."""
+        covariance = self.covariance.ravel().tolist()
+        return {"mean": self.mean.tolist(), "covariance": covariance, "time_ms": self.time_ms}
+
+    def restore(self, record: Json) -> None:
+        """Go on where `to_state` was called."""
+        self.mean = np.array(record["mean"])
+        self.covariance = np.array(record["covariance"]).reshape(3, 3)
+        self.time_ms = record["time_ms"]
+
+
+Match = tuple[Known, Place | None] | None
+"""The thing and the place of it that a detection is at, None for a new thing."""
+
+
+class Matcher:
+    """Scores a frame's detections against the memory and assigns them."""
+
+    def __init__(self, memory: Memory, categories: CategoryModel, parameters: Parameters) -> None:
+        self._memory = memory
+        self._categories = categories
+        self._parameters = parameters
+        self.offset = FrameOffset.unknown(parameters)
+
+    def match(self, observed: Observed, time_ms: int, pose: Pose | None) -> list[Match]:
+        """Return for each observed thing what it is; updates the frame's offset."""
+        self.offset.predict(time_ms, pose)
+        rows = self._gate(observed)
+        things = self._candidates(observed, rows)
+        if not things:
+            return [None] * len(observed.things)
+        other = self._look_and_category(observed, things)
+        taken, at = self._assign(observed, things, rows, other)
+        if self._align(observed, things, taken, at):
+            taken, at = self._assign(observed, things, rows, other)
+        result: list[Match] = []
+        for i, column in enumerate(taken):
+            if column < 0:
+                result.append(None)
+            else:
+                row = at[i, column]
+                place = self._memory.positions.owners[row][1] if row >= 0 else None
+                result.append((things[column], place))
+        return result
+
+    def _gate(self, observed: Observed) -> NDArray[np.intp]:
+        """Return the rows of places that any detection may be at, by thing and place."""
+        positions = self._memory.positions
+        if len(positions.owners) == 0:
+            return np.empty(0, dtype=np.intp)
+        spread = np.trace(positions.spread, axis1=1, axis2=2)
+        noise = np.trace(observed.noise + self.offset.covariance, axis1=1, axis2=2)
+        away = (observed.places - self.offset.mean)[:, None] - positions.mean[None]
+        squared = np.einsum("nkj,nkj->nk", away, away)
+        reach = self._parameters.gate_sigmas**2 * (noise[:, None] + spread[None])
+        rows = np.flatnonzero(np.any(squared <= reach, axis=0)).tolist()
+        owners = positions.owners
+        rows.sort(key=lambda row: (owners[row][0].number, owners[row][1].number))
+        return np.array(rows, dtype=np.intp)
+
+    def _candidates(self, observed: Observed, rows: NDArray[np.intp]) -> list[Known]:
+        """Return the things to compare with, by number.
+
+        What has no position is near everything, and to a detection without one all are.
+        """
+        if len(observed.things) and np.isnan(observed.places[:, 0]).any():
+            return [self._memory.things[number] for number in sorted(self._memory.things)]
+        found = {self._memory.positions.owners[row][0].number for row in rows.tolist()}
+        found |= {thing.number for thing in self._memory.placeless()}
+        return [self._memory.things[number] for number in sorted(found)]
+
+    def _look_and_category(self, observed: Observed, things: list[Known]) -> Floats:
+        """Return the evidence that is not of place, (n, m)."""
+        named = [[vote[0] for vote in thing.votes] for thing in observed.things]
+        votes = [thing.votes for thing in things]
+        evidence = np.zeros((len(named), len(things)))
+        for i, names in enumerate(named):  # a thing named twice agrees if one name does
+            evidence[i] = self._categories.ratios(names, votes).max(axis=0)
+        if observed.looks.shape[1]:
+            looks = self._memory.looks.rows(things)
+            if looks.shape[1]:
+                likeness = (observed.looks @ looks.T).astype(np.float64)
+                known = observed.looks.any(axis=1)[:, None] & looks.any(axis=1)[None]
+                ratio = likelihood.look_ratio(likeness, self._parameters)
+                evidence += np.where(known, ratio, 0.0)
+        return evidence
+
+    def _assign(
+        self,
+        observed: Observed,
+        things: list[Known],
+        rows: NDArray[np.intp],
+        other: Floats,
+    ) -> tuple[list[int], NDArray[np.intp]]:
+        """Return each detection's column of `things` or -1, and the best row of each pair."""
+        count, columns = other.shape
+        place = np.full((count, columns), NEVER)
+        at = np.full((count, columns), -1, dtype=np.intp)
+        if len(rows):
+            ratios = self._place_ratios(observed, rows)
+            number = {thing.number: column for column, thing in enumerate(things)}
+            for k, row in enumerate(rows.tolist()):
+                column = number[self._memory.positions.owners[row][0].number]
+                better = ratios[:, k] > place[:, column]
+                place[better, column] = ratios[better, k]
+                at[better, column] = row
+        nowhere = np.isnan(observed.places[:, 0])
+        place[nowhere] = 0.0
+        at[nowhere] = -1
+        placeless = [j for j, thing in enumerate(things) if all(p.row < 0 for p in thing.places)]
+        place[:, placeless] = 0.0
+        return likelihood.assign(place + other, self._parameters.new_thing_odds), at
+
+    def _place_ratios(self, observed: Observed, rows: NDArray[np.intp]) -> Floats:
+        """Return the evidence of place for each detection and row, NEVER out of the gate."""
+        positions = self._memory.positions
+        residuals = (observed.places - self.offset.mean)[:, None] - positions.mean[rows][None]
+        covariances = (observed.noise + self.offset.covariance)[:, None] + positions.spread[rows]
+        squared, determinant = likelihood.mahalanobis(residuals, covariances)
+        ratios = likelihood.position_ratio(squared, determinant, self._parameters)
+        inside = squared <= self._parameters.gate_sigmas**2
+        return np.where(inside, ratios, NEVER)
+
+    def _align(
+        self,
+        observed: Observed,
+        things: list[Known],
+        taken: list[int],
+        at: NDArray[np.intp],
+    ) -> bool:
+        """Correct the frame's offset by what was recognised; say whether there was anything.
+
+        Only what was seen before in another frame tells: a tentative thing may be a mistake.
+        """
+        positions = self._memory.positions
+        pairs = [
+            (i, int(at[i, column]))
+            for i, column in enumerate(taken)
+            if column >= 0
+            and at[i, column] >= 0
+            and things[column].seen >= self._parameters.confirm_sightings
+        ]
+        if not pairs or not self.offset.covariance.any():
+            return False
+        seen, rows = (list(each) for each in zip(*pairs, strict=True))
+        residuals = observed.places[seen] - positions.mean[rows]
+        self.offset.correct(residuals, observed.noise[seen] + positions.spread[rows])
+        return True
+
+    def update(self, observed: Observed, pairs: list[tuple[int, Place]]) -> None:
+        """Move the matched places towards what was observed: Kalman, robust, all at once."""
+        positions = self._memory.positions
+        if not pairs:
+            return
+        seen = [i for i, _ in pairs]
+        rows = [place.row for _, place in pairs]
+        surface = np.eye(3) * self._parameters.object_spread_m**2
+        noise = observed.noise[seen] + self.offset.covariance
+        residuals = observed.places[seen] - self.offset.mean - positions.mean[rows]
+        squared, _ = likelihood.mahalanobis(residuals, noise + positions.spread[rows])
+        dof = self._parameters.outlier_dof
+        weight = np.minimum(1.0, (dof + 3) / (dof + squared))[:, None, None]
+        error = positions.error[rows]
+        gain = error @ np.linalg.inv(error + (noise + surface) / weight)
+        positions.mean[rows] += np.einsum("nij,nj->ni", gain, residuals)
+        raw = observed.places[seen] - positions.raw[rows]
+        positions.raw[rows] += np.einsum("nij,nj->ni", gain, raw)
+        left = error - gain @ error
+        positions.error[rows] = (left + left.transpose(0, 2, 1)) / 2
+        positions.scale[rows] += np.stack(
+            [np.minimum(squared, self._parameters.gate_sigmas**2) / 3, np.ones(len(rows))], axis=1
+        )
+        positions.respread(rows, self._parameters)

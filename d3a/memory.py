@@ -1,0 +1,233 @@
+"""Default profile: the things in short-term memory, with the arrays that tier 2 compares.
+
+A `Thing` is an object with all its places; ids are stable from birth, so that what a question
+sees while an ingest runs keeps its name.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from d3a.parameters import Parameters
+from d3a.sightings import Interval
+from d3a.store.base import TaughtName
+
+Floats = NDArray[np.float64]
+SCALE_PRIOR = 4.0
+"""Views as many of which the assumed covariance is worth against the scatter that is seen."""
+SCALE_LEAST, SCALE_MOST = 0.5, 9.0
+"""Bounds of that correction: it adapts a noise model, it does not replace one."""
+
+
+@dataclass(slots=True, eq=False)
+class Place:
+    """One location of a thing. row: in the table of positions, -1 where the position is unknown.
+
+    evidence: log-odds that it has left, from looks since it was last seen. hits of chances: looks
+    that found it of looks that could have; misses: looks in a row that did not.
+    """
+
+    number: int
+    first_ms: int
+    last_ms: int
+    weight: float = 0.0
+    seen: int = 0
+    moved_from: tuple[int, float] | None = None
+    last_absent_ms: int | None = None
+    open: Interval | None = None
+    evidence: float = 0.0
+    hits: int = 0
+    chances: int = 0
+    misses: int = 0
+    row: int = -1
+
+
+@dataclass(slots=True, eq=False)
+class Known:
+    """A thing in memory. votes: weight by category; seen: frames it was detected in, ever.
+
+    look_weight: of the mean look, 0 without one. row: in the table of looks.
+    """
+
+    number: int
+    votes: dict[str, float]
+    first_ms: int
+    last_ms: int
+    weight: float = 0.0
+    seen: int = 0
+    look_weight: float = 0.0
+    extent_m: tuple[float, float] | None = None
+    extents: int = 0
+    names: tuple[TaughtName, ...] = ()
+    places: list[Place] = field(default_factory=list)
+    row: int = -1
+    dirty: bool = True
+
+    @property
+    def object_id(self) -> str:
+        """The id in the store."""
+        return f"o{self.number}"
+
+    @property
+    def category(self) -> str:
+        """The category with most weight, the first by name of equals."""
+        return min(self.votes, key=lambda name: (-self.votes[name], name))
+
+    def place(self, number: int) -> Place:
+        """Return the place with this number."""
+        return next(place for place in self.places if place.number == number)
+
+
+class Positions:
+    """Rows of places: mean (aligned), covariance of the mean, raw mean, spread for the gates."""
+
+    def __init__(self) -> None:
+        self.owners: list[tuple[Known, Place]] = []
+        self._size = 64
+        self._mean = np.empty((64, 3))
+        self._raw = np.empty((64, 3))
+        self._error = np.empty((64, 3, 3))
+        self._spread = np.empty((64, 3, 3))
+        self._scale = np.empty((64, 2))
+
+    @property
+    def mean(self) -> Floats:
+        """(k, 3): where it is in the frame of first sight, the frames' offsets taken out."""
+        return self._mean[: len(self.owners)]
+
+    @property
+    def raw(self) -> Floats:
+        """(k, 3): the same without alignment: unbiased where drift is, and what is reported."""
+        return self._raw[: len(self.owners)]
+
+    @property
+    def error(self) -> Floats:
+        """(k, 3, 3): covariance of the mean, without the correction by what is seen."""
+        return self._error[: len(self.owners)]
+
+    @property
+    def spread(self) -> Floats:
+        """(k, 3, 3): how far from the mean its views are expected, own noise of a view aside."""
+        return self._spread[: len(self.owners)]
+
+    @property
+    def scale(self) -> Floats:
+        """(k, 2): summed normalised squared residuals, and their number."""
+        return self._scale[: len(self.owners)]
+
+    def _arrays(self) -> tuple[Floats, ...]:
+        return self._mean, self._raw, self._error, self._spread, self._scale
+
+    def add(self, thing: Known, place: Place, mean: Floats, raw: Floats, error: Floats) -> None:
+        """Add a place; its spread is set by `respread`."""
+        place.row = len(self.owners)
+        self.owners.append((thing, place))
+        if len(self.owners) > self._size:
+            self._size *= 2
+            self._mean, self._raw, self._error, self._spread, self._scale = (
+                np.concatenate([array, np.empty_like(array)]) for array in self._arrays()
+            )
+        self._mean[place.row], self._raw[place.row] = mean, raw
+        self._error[place.row], self._scale[place.row] = error, 0.0
+
+    def respread(self, rows: Iterable[int], parameters: Parameters) -> None:
+        """Set the spread of some rows from their error and how well that predicted the views."""
+        index = np.fromiter(rows, dtype=np.intp)
+        seen = self._scale[index]
+        factor = (SCALE_PRIOR + seen[:, 0]) / (SCALE_PRIOR + seen[:, 1])
+        factor = np.clip(factor, SCALE_LEAST, SCALE_MOST)[:, None, None]
+        surface = np.eye(3) * parameters.object_spread_m**2
+        self._spread[index] = factor * (self._error[index] + surface)
+
+    def remove(self, place: Place) -> None:
+        """Take a place out; the last row moves into its row."""
+        last = self.owners.pop()
+        if last[1] is not place:
+            for array in self._arrays():
+                array[place.row] = array[last[1].row]
+            last[1].row = place.row
+            self.owners[place.row] = last
+        place.row = -1
+
+
+class Looks:
+    """Rows of mean features, unit length; zeros for a thing without a picture."""
+
+    def __init__(self) -> None:
+        self.owners: list[Known] = []
+        self._matrix: NDArray[np.float32] = np.zeros((64, 0), dtype=np.float32)
+
+    def rows(self, things: list[Known]) -> NDArray[np.float32]:
+        """Return the features of some things (m, d), in their order."""
+        return np.asarray(self._matrix[[thing.row for thing in things]])
+
+    def of(self, thing: Known) -> NDArray[np.float32] | None:
+        """Return the mean feature (d,), None without a picture."""
+        return np.array(self._matrix[thing.row]) if thing.look_weight > 0 else None
+
+    def add(self, thing: Known, look: NDArray[np.float32] | None, weight: float) -> None:
+        """Add a thing with the look of `weight` views, or without one."""
+        thing.row = len(self.owners)
+        self.owners.append(thing)
+        if len(self.owners) > len(self._matrix):
+            self._matrix = np.concatenate([self._matrix, np.zeros_like(self._matrix)])
+        if self._matrix.shape[1]:
+            self._matrix[thing.row] = 0.0
+        thing.look_weight = 0.0
+        if look is not None:
+            self.put(thing, look, weight)
+
+    def blend(self, thing: Known, look: NDArray[np.float32], weight: float, most: float) -> None:
+        """Average a look in, as if the mean so far were of `most` views at most."""
+        if self._matrix.shape[1] == 0:
+            self._matrix = np.zeros((len(self._matrix), len(look)), dtype=np.float32)
+        mean = self._matrix[thing.row] * np.float32(min(thing.look_weight, most))
+        mean += look * np.float32(weight)
+        length = float(np.sqrt(mean @ mean))
+        self._matrix[thing.row] = mean / np.float32(length) if length > 0 else 0.0
+        thing.look_weight += weight
+
+    def put(self, thing: Known, look: NDArray[np.float32], weight: float) -> None:
+        """Set the mean look of a thing as it is."""
+        if self._matrix.shape[1] == 0:
+            self._matrix = np.zeros((len(self._matrix), len(look)), dtype=np.float32)
+        self._matrix[thing.row] = look
+        thing.look_weight = weight
+
+    def remove(self, thing: Known) -> None:
+        """Take a thing out; the last row moves into its row."""
+        last = self.owners.pop()
+        if last is not thing:
+            self._matrix[thing.row] = self._matrix[last.row]
+            last.row = thing.row
+            self.owners[thing.row] = last
+        thing.row = -1
+
+
+class Memory:
+    """The things of the STM by number, with their positions and looks."""
+
+    def __init__(self) -> None:
+        self.things: dict[int, Known] = {}
+        self.positions = Positions()
+        self.looks = Looks()
+
+    def remove(self, thing: Known) -> None:
+        """Forget a thing."""
+        for place in thing.places:
+            if place.row >= 0:
+                self.positions.remove(place)
+        self.looks.remove(thing)
+        del self.things[thing.number]
+
+    def placeless(self) -> list[Known]:
+        """Return things that have no position, by number."""
+        return [
+            self.things[number]
+            for number in sorted(self.things)
+            if all(place.row < 0 for place in self.things[number].places)
+        ]

@@ -1,0 +1,84 @@
+"""The default profile's memory as JSON and arrays, and back."""
+
+from __future__ import annotations
+
+from dataclasses import fields
+
+import numpy as np
+
+from d3a.checkpoint import Arrays, stacked
+from d3a.memory import Known, Memory, Place
+from d3a.model import Json
+from d3a.parameters import Parameters
+from d3a.sightings import Interval
+from d3a.store.base import TaughtName
+
+_PLACE = tuple(f.name for f in fields(Place) if f.name not in ("open", "row"))
+_KNOWN = tuple(f.name for f in fields(Known) if f.name not in ("names", "places", "row", "votes"))
+
+
+def memory_state(memory: Memory) -> tuple[Json, Arrays]:
+    """Return the things by number, and their arrays in the same order."""
+    known = [memory.things[number] for number in sorted(memory.things)]
+    rows = [place.row for thing in known for place in thing.places if place.row >= 0]
+    p = memory.positions
+    arrays: Arrays = {
+        "looks": stacked([memory.looks.of(thing) for thing in known]),
+        "means": np.stack([p.mean[rows], p.raw[rows]], axis=1),
+        "errors": p.error[rows],
+        "scales": p.scale[rows],
+    }
+    return {"things": [_thing_json(thing) for thing in known]}, arrays
+
+
+def _thing_json(thing: Known) -> Json:
+    record: Json = {name: getattr(thing, name) for name in _KNOWN}
+    record["votes"] = list(thing.votes.items())  # their order is that of summation
+    record["names"] = [[name.word, name.owner] for name in thing.names]
+    record["places"] = [_place_json(place) for place in thing.places]
+    return record
+
+
+def _place_json(place: Place) -> Json:
+    record: Json = {name: getattr(place, name) for name in _PLACE}
+    record["open"] = None if place.open is None else place.open.to_json()
+    record["placed"] = place.row >= 0
+    return record
+
+
+def memory_of_state(memory: Memory, record: Json, arrays: Arrays, parameters: Parameters) -> None:
+    """Fill an empty memory with what `memory_state` gave."""
+    row = 0
+    for i, each in enumerate(record["things"]):
+        thing = _thing(each)
+        memory.things[thing.number] = thing
+        weight = thing.look_weight
+        look = arrays["looks"][i] if weight > 0 else None
+        memory.looks.add(thing, None, 0.0)
+        if look is not None:
+            memory.looks.put(thing, look, weight)
+        for place_record in each["places"]:
+            place = _place(place_record)
+            thing.places.append(place)
+            if place_record["placed"]:
+                mean, raw = arrays["means"][row]
+                memory.positions.add(thing, place, mean, raw, arrays["errors"][row])
+                memory.positions.scale[place.row] = arrays["scales"][row]
+                memory.positions.respread([place.row], parameters)
+                row += 1
+
+
+def _thing(record: Json) -> Known:
+    plain = {name: record[name] for name in _KNOWN}
+    extent = plain["extent_m"]
+    plain["extent_m"] = None if extent is None else tuple(extent)
+    names = tuple(TaughtName(word, owner) for word, owner in record["names"])
+    return Known(**plain, votes=dict(record["votes"]), names=names)
+
+
+def _place(record: Json) -> Place:
+    plain = {name: record[name] for name in _PLACE}
+    moved = plain["moved_from"]
+    plain["moved_from"] = None if moved is None else tuple(moved)
+    opened = record["open"]
+    return Place(**plain, open=None if opened is None else Interval.from_json(opened))

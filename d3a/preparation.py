@@ -1,0 +1,166 @@
+"""From a frame of a recording to a scene for the tiers: pictures, boxes, embeddings, places.
+
+Paper: "Pre-processing each frame". What is broken is counted and left out, the rest goes on.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
+from time import perf_counter
+
+from d3a import images
+from d3a.detectors.base import Detector
+from d3a.geometry import Metres, clip_box, locate
+from d3a.images import Pixels
+from d3a.model import BadInput, Detection, Frame
+from d3a.parameters import Parameters
+from d3a.readers.base import Skipped
+from d3a.sightings import FrameRef, Scene
+
+STAGES = ("decode", "embed", "tiers", "store")
+BROKEN_PICTURE = "broken picture"
+BROKEN_DEPTH = "broken depth picture"
+WEAK = "detection below the least probability"
+OUTSIDE = "box outside of the picture"
+
+
+@dataclass(slots=True)
+class Stopwatch:
+    """Seconds spent by stage."""
+
+    seconds: dict[str, float] = field(default_factory=lambda: dict.fromkeys(STAGES, 0.0))
+
+    @contextmanager
+    def stage(self, name: str) -> Iterator[None]:
+        """Count the time inside of the `with` for a stage."""
+        start = perf_counter()
+        try:
+            yield
+        finally:
+            self.seconds[name] += perf_counter() - start
+
+
+@dataclass(frozen=True, slots=True)
+class LeftOut:
+    """A detection that never reached the tiers, and why."""
+
+    detection: Detection
+    why: str
+
+
+@dataclass(frozen=True, slots=True)
+class Prepared:
+    """A scene, whether its picture can be kept, and what was left out of it."""
+
+    scene: Scene
+    has_picture: bool
+    left_out: tuple[LeftOut, ...]
+
+
+class Preparation:
+    """Makes scenes of frames."""
+
+    def __init__(
+        self,
+        detector: Detector,
+        parameters: Parameters,
+        *,
+        recording: str,
+        min_probability: float,
+        computes_embeddings: bool,
+        stopwatch: Stopwatch,
+    ) -> None:
+        self._detector = detector
+        self._parameters = parameters
+        self._recording = recording
+        self._min_probability = min_probability
+        self._computes_embeddings = computes_embeddings
+        self._stopwatch = stopwatch
+
+    def prepare(self, frame: Frame, skipped: Skipped) -> Prepared:
+        """Return the frame's scene; what is broken in it is added to `skipped`."""
+        with self._stopwatch.stage("decode"):
+            pixels, has_picture = self._picture(frame, skipped)
+            depth = self._depth(frame, pixels, skipped)
+        with self._stopwatch.stage("embed"):
+            detections = self._detector.detect(frame, pixels)
+            kept, left_out = self._usable(frame, detections, pixels, skipped)
+            if self._computes_embeddings and pixels is not None:
+                kept = [_embedded(d, pixels) for d in kept]
+            kept = [locate(d, frame.pose, frame.camera, depth, self._parameters) for d in kept]
+        viewer = None
+        if frame.pose is not None:
+            viewer = (*frame.pose.position, *frame.pose.quaternion)
+        image = f"{self._recording}/{frame.name}" if has_picture else None
+        ref = FrameRef(frame.name, frame.time_ms, image, viewer, self._recording)
+        scene = Scene(ref, tuple(kept), frame.pose, frame.camera, depth)
+        return Prepared(scene, has_picture, tuple(left_out))
+
+    def _picture(self, frame: Frame, skipped: Skipped) -> tuple[Pixels | None, bool]:
+        """Return the pixels where anything needs them, and whether there is a sound picture."""
+        if frame.image is None:
+            return None, False
+        try:
+            if self._needs_pixels(frame):
+                return images.decode(frame.image), True
+            images.check(frame.image)
+        except BadInput as error:
+            skipped.add(BROKEN_PICTURE, f"{frame.name} ({error})")
+            return None, False
+        return None, True
+
+    def _needs_pixels(self, frame: Frame) -> bool:
+        if frame.detections is None or frame.camera is None:
+            return True  # a detector has to look; or only the picture knows its size
+        return self._computes_embeddings and any(d.embedding is None for d in frame.detections)
+
+    def _depth(self, frame: Frame, pixels: Pixels | None, skipped: Skipped) -> Metres | None:
+        if frame.depth is None:
+            return None
+        try:
+            depth = images.decode_depth(frame.depth)
+        except BadInput as error:
+            skipped.add(BROKEN_DEPTH, f"{frame.name} ({error})")
+            return None
+        size = _size(frame, pixels)
+        if size is not None and depth.shape != (size[1], size[0]):
+            skipped.add(BROKEN_DEPTH, f"{frame.name} (not of the picture's size)")
+            return None
+        return depth
+
+    def _usable(
+        self,
+        frame: Frame,
+        detections: tuple[Detection, ...],
+        pixels: Pixels | None,
+        skipped: Skipped,
+    ) -> tuple[list[Detection], list[LeftOut]]:
+        """Return detections that are strong enough and in the picture, boxes cut to it."""
+        kept, left_out = [], []
+        size = _size(frame, pixels)
+        for detection in detections:
+            box = detection.box if size is None else clip_box(detection.box, *size)
+            if detection.probability < self._min_probability:
+                why = WEAK
+            elif box is None:
+                why = OUTSIDE
+            else:
+                kept.append(detection if box == detection.box else replace(detection, box=box))
+                continue
+            skipped.add(why, f"{frame.name}: {detection.category}")
+            left_out.append(LeftOut(detection, why))
+        return kept, left_out
+
+
+def _size(frame: Frame, pixels: Pixels | None) -> tuple[int, int] | None:
+    if pixels is not None:
+        return pixels.shape[1], pixels.shape[0]
+    return None if frame.camera is None else (frame.camera.width, frame.camera.height)
+
+
+def _embedded(detection: Detection, pixels: Pixels) -> Detection:
+    if detection.embedding is not None:
+        return detection
+    return replace(detection, embedding=images.histogram(images.crop(pixels, detection.box)))

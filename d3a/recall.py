@@ -1,0 +1,247 @@
+"""Default profile, tier 3: what leaves the short-term memory goes to the store and comes back.
+
+Things are written as ordinary records (absolute puts, ids stable from birth). What was not viewed
+for longest is evicted; it is fetched back by place when the robot looks there again.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from d3a import likelihood
+from d3a.ledger import Ledger
+from d3a.memory import Known, Memory, Place
+from d3a.model import Json
+from d3a.parameters import Parameters
+from d3a.sightings import Interval
+from d3a.store.base import Area, ObjectRecord, StayRecord
+from d3a.tier3 import Stored
+
+CELL_M = 2.0
+"""Side of the squares in which places are fetched: about what a look into a room covers."""
+REACH_SIGMAS = 3.0
+Cell = tuple[int, int] | None
+"""A square of the ground plane; None: things without a position."""
+FIRST_NUMBER = 1
+
+
+class Recall:
+    """Moves things between the memory and the ledger."""
+
+    def __init__(
+        self, memory: Memory, ledger: Ledger, stored: Stored, parameters: Parameters, outside: int
+    ) -> None:
+        self._memory = memory
+        self._ledger = ledger
+        self._stored = stored
+        self._parameters = parameters
+        self._is_histogram = is_histogram(stored.embedding_model)
+        self.outside = outside
+        """How many objects the store holds that the memory does not."""
+        self._complete: set[Cell] = set()
+
+    # to the store
+    def write(self) -> None:
+        """Put what changed into the ledger."""
+        for number in sorted(self._memory.things):
+            thing = self._memory.things[number]
+            if thing.dirty:
+                self._put(thing)
+
+    def _put(self, thing: Known) -> None:
+        look = self._memory.looks.of(thing)
+        votes = sorted(thing.votes.items(), key=lambda vote: (-vote[1], vote[0]))
+        tentative = thing.seen < self._parameters.confirm_sightings
+        self._ledger.put_object(
+            ObjectRecord(
+                object_id=thing.object_id,
+                category=thing.category,
+                weight=thing.weight,
+                first_ms=thing.first_ms,
+                last_ms=thing.last_ms,
+                site=self._stored.site,
+                categories=tuple(votes),
+                names=thing.names,
+                embedding=None
+                if look is None
+                else likelihood.embedding_of(look, self._is_histogram),
+                embedding_model=None if look is None else self._stored.embedding_model,
+                extent_m=thing.extent_m,
+                tentative=tentative,
+            )
+        )
+        for place in thing.places:
+            self._ledger.put_stay(self._stay(thing, place, tentative))
+            if place.open is not None:
+                self._ledger.put_sighting(place.open.sighting((thing.object_id, place.number)))
+        thing.dirty = False
+
+    def _stay(self, thing: Known, place: Place, tentative: bool) -> StayRecord:
+        position = covariance = None
+        if place.row >= 0:
+            x, y, z = self._memory.positions.raw[place.row].tolist()
+            position = (x, y, z)
+            covariance = tuple(self._memory.positions.spread[place.row].ravel().tolist())
+        return StayRecord(
+            object_id=thing.object_id,
+            place=place.number,
+            position=position,
+            first_ms=place.first_ms,
+            last_ms=place.last_ms,
+            weight=place.weight,
+            site=self._stored.site,
+            covariance=covariance,
+            seen=place.seen,
+            moved_from=place.moved_from,
+            last_absent_ms=place.last_absent_ms,
+            tentative=tentative,
+        )
+
+    def evict(self) -> list[Known]:
+        """Write and forget the least recently viewed until the memory is within its bound."""
+        things = self._memory.things
+        over = len(things) - self._parameters.stm_capacity
+        if over <= 0:
+            return []
+        oldest = sorted(things.values(), key=lambda t: (t.last_ms, t.number))[:over]
+        for thing in oldest:
+            if thing.dirty:
+                self._put(thing)
+            self._complete -= set(self._cells_of(thing))
+            self._memory.remove(thing)
+        self.outside += len(oldest)
+        return oldest
+
+    def forget_all(self) -> None:
+        """Empty the memory; everything in it is written."""
+        for thing in list(self._memory.things.values()):
+            self._memory.remove(thing)
+            self.outside += 1
+        self._complete.clear()
+
+    def _cells_of(self, thing: Known) -> Iterable[Cell]:
+        for place in thing.places:
+            if place.row < 0:
+                yield None
+            else:
+                x, y, _ = self._memory.positions.raw[place.row].tolist()
+                yield math.floor(x / CELL_M), math.floor(y / CELL_M)
+
+    # from the store
+    def fetch(self, places: NDArray[np.float64], reach_m: NDArray[np.float64], now_ms: int) -> None:
+        """Bring back what the store knows around some positions (n, 3), NaN where unknown.
+
+        reach_m (n,): one sigma of how far off a position may be.
+        """
+        if self.outside == 0:
+            return
+        ids: set[str] = set()
+        for cell in self._missing(places, reach_m):
+            if cell is None:
+                found = [stay for stay in self._ledger.stays() if stay.position is None]
+            else:
+                low_x, low_y = cell[0] * CELL_M, cell[1] * CELL_M
+                area = Area(low_x, low_y, low_x + CELL_M, low_y + CELL_M)
+                found = self._ledger.stays(area=area)
+            ids |= {stay.object_id for stay in found}
+            self._complete.add(cell)
+        known = {thing.object_id for thing in self._memory.things.values()}
+        if ids - known:
+            self._load(sorted(ids - known), now_ms)
+
+    def _missing(self, places: NDArray[np.float64], reach_m: NDArray[np.float64]) -> list[Cell]:
+        wanted: set[Cell] = {None}
+        for (x, y, _), sigma in zip(places.tolist(), reach_m.tolist(), strict=True):
+            if math.isnan(x):
+                continue
+            reach = REACH_SIGMAS * sigma
+            for column in range(
+                math.floor((x - reach) / CELL_M), math.floor((x + reach) / CELL_M) + 1
+            ):
+                low, high = math.floor((y - reach) / CELL_M), math.floor((y + reach) / CELL_M)
+                wanted |= {(column, row) for row in range(low, high + 1)}
+        missing = wanted - self._complete
+        return sorted(missing, key=lambda cell: (cell is not None, cell or (0, 0)))
+
+    def _load(self, ids: list[str], now_ms: int) -> None:
+        stays: dict[str, list[StayRecord]] = {}
+        for stay in self._ledger.stays(object_ids=ids):
+            stays.setdefault(stay.object_id, []).append(stay)
+        gap_ms = round(self._parameters.interval_gap_s * 1000)
+        open_of = {
+            sighting.stay: Interval.from_sighting(sighting)
+            for sighting in self._ledger.sightings(ids, now_ms - gap_ms, now_ms)
+        }
+        for record in self._ledger.objects(ids=ids):
+            thing = self._known(record)
+            for stay in stays.get(record.object_id, []):
+                thing.places.append(self._place(thing, stay, open_of.get(stay.key)))
+                thing.seen += stay.seen
+            self.outside -= 1
+
+    def _known(self, record: ObjectRecord) -> Known:
+        thing = Known(
+            number=number_of(record.object_id),
+            votes=dict(record.categories) or {record.category: record.weight},
+            first_ms=record.first_ms,
+            last_ms=record.last_ms,
+            weight=record.weight,
+            extent_m=record.extent_m,
+            extents=0 if record.extent_m is None else 1,
+            names=record.names,
+            dirty=False,
+        )
+        self._memory.things[thing.number] = thing
+        look = None
+        if record.embedding is not None:
+            look = likelihood.feature(record.embedding, self._is_histogram)
+        self._memory.looks.add(thing, look, record.weight)
+        return thing
+
+    def _place(self, thing: Known, stay: StayRecord, interval: Interval | None) -> Place:
+        place = Place(
+            number=stay.place,
+            first_ms=stay.first_ms,
+            last_ms=stay.last_ms,
+            weight=stay.weight,
+            seen=stay.seen,
+            moved_from=stay.moved_from,
+            last_absent_ms=stay.last_absent_ms,
+            open=interval,
+        )
+        if stay.position is not None:
+            surface = np.eye(3) * self._parameters.object_spread_m**2
+            spread = np.reshape(stay.covariance or (surface * 2).ravel(), (3, 3))
+            # What is stored is the spread: the surface's share comes back when it is spread anew.
+            error = spread - surface
+            if np.linalg.eigvalsh(error)[0] < 0:
+                error = np.maximum(np.diag(np.diag(error)), 0.0)
+            mean = np.array(stay.position)
+            self._memory.positions.add(thing, place, mean, mean, error)
+            self._memory.positions.respread([place.row], self._parameters)
+        return place
+
+    def to_state(self) -> Json:
+        """Return what is fetched already, as JSON."""
+        squares = sorted(cell for cell in self._complete if cell is not None)
+        return {"cells": squares, "nowhere": None in self._complete, "outside": self.outside}
+
+    def restore(self, record: Json) -> None:
+        """Go on where `to_state` was called."""
+        self._complete = {(x, y) for x, y in record["cells"]}
+        self._complete |= {None} if record["nowhere"] else set()
+        self.outside = record["outside"]
+
+
+def is_histogram(model: str | None) -> bool:
+    """Say whether a model's embeddings are colour counts, whose square roots are compared."""
+    return model is not None and model.startswith("rgb-")
+
+
+def number_of(object_id: str) -> int:
+    """Return the number in an id such as "o12"."""
+    return int(object_id.removeprefix("o"))

@@ -1,0 +1,224 @@
+"""The `default` profile: the same three tiers, by likelihood instead of gates.
+
+Tier 1 names each thing of a frame once; tier 2 assigns them one-to-one to the things in memory;
+tier 3 keeps the memory bounded, links moves and lets tentative things expire. A thing seen once is
+kept as tentative, and confirmed by its second sighting ever, however much later.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from d3a import moves
+from d3a.absence import Absence
+from d3a.checkpoint import Arrays
+from d3a.encounters import Encounters
+from d3a.ledger import Ledger
+from d3a.likelihood import CategoryModel
+from d3a.matching import FrameOffset, Matcher, Observed
+from d3a.memory import Known, Memory, Place
+from d3a.memory_state import memory_of_state, memory_state
+from d3a.model import Json
+from d3a.parameters import Parameters
+from d3a.recall import FIRST_NUMBER, Recall, is_histogram
+from d3a.sightings import Became, Event, FrameRef, Interval, Scene, Seen, entry_name
+from d3a.store.base import StayKey
+from d3a.tier1 import Thing, things
+from d3a.tier3 import Stored
+
+EXPIRED = "never seen again where it should have been"
+
+
+class TrackerPipeline:
+    """Tier 1 to 3 of the default profile over a ledger."""
+
+    def __init__(
+        self, ledger: Ledger, stored: Stored, parameters: Parameters, outside: int
+    ) -> None:
+        self._parameters = parameters
+        self._ledger = ledger
+        self._is_histogram = is_histogram(stored.embedding_model)
+        self._memory = Memory()
+        self._categories = CategoryModel(parameters)
+        self._matcher = Matcher(self._memory, self._categories, parameters)
+        self._absence = Absence(self._memory, parameters)
+        self._recall = Recall(self._memory, ledger, stored, parameters, outside)
+        self._encounters = Encounters(parameters)
+        self._next_number = FIRST_NUMBER
+        self._confirmed_since = False
+        self._events: list[Event] = []
+
+    def observe(self, scene: Scene) -> None:
+        """Take a frame through the tiers."""
+        found = things(scene.detections, self._parameters)
+        observed = Observed.of(found, self._is_histogram)
+        self._fetch(observed, scene)
+        matches = self._matcher.match(observed, scene.ref.time_ms, scene.pose)
+        seen: list[tuple[Known, Place]] = []
+        moved: list[tuple[int, Place]] = []
+        for i, match in enumerate(matches):
+            thing, place = match if match is not None else self._born(observed, i, scene.ref)
+            place = place if place is not None else self._newest(thing)
+            if match is not None and place.row >= 0 and not np.isnan(observed.places[i, 0]):
+                moved.append((i, place))
+            self._view(thing, place, found[i], observed, i, scene.ref)
+            seen.append((thing, place))
+        self._matcher.update(observed, moved)
+        self._meet(scene.ref, seen, found)
+        self._absence.watch(scene, seen)
+        for gone in self._recall.evict():
+            self._encounters.write(self._ledger)
+            self._encounters.forget(gone.object_id)
+
+    def _fetch(self, observed: Observed, scene: Scene) -> None:
+        noise = np.trace(observed.noise, axis1=1, axis2=2)
+        shared = 0.0 if scene.pose is None else 3 * self._parameters.pose_sigma_m**2
+        self._recall.fetch(observed.places, np.sqrt(noise + shared) + 1.0, scene.ref.time_ms)
+
+    def _newest(self, thing: Known) -> Place:
+        return max(thing.places, key=lambda place: (place.last_ms, place.number))
+
+    def _born(self, observed: Observed, i: int, ref: FrameRef) -> tuple[Known, Place]:
+        thing = Known(self._next_number, {}, ref.time_ms, ref.time_ms)
+        self._next_number += 1
+        place = Place(0, ref.time_ms, ref.time_ms)
+        thing.places.append(place)
+        self._memory.things[thing.number] = thing
+        self._memory.looks.add(thing, None, 0.0)
+        where = observed.places[i]
+        if not np.isnan(where[0]):
+            offset = self._matcher.offset
+            error = observed.noise[i] + offset.covariance
+            self._memory.positions.add(thing, place, where - offset.mean, where, error)
+            self._memory.positions.respread([place.row], self._parameters)
+        return thing, place
+
+    def _view(
+        self, thing: Known, place: Place, found: Thing, observed: Observed, i: int, ref: FrameRef
+    ) -> None:
+        """Count a sighting of a thing: votes, look, size, interval."""
+        detection = found.detection
+        for category, weight in found.votes:
+            thing.votes[category] = thing.votes.get(category, 0.0) + weight
+            self._categories.add(category)
+        if observed.looks.shape[1] and observed.looks[i].any():
+            weight = max(detection.probability, 1e-6)
+            most = self._parameters.looks_remembered
+            self._memory.looks.blend(thing, observed.looks[i], weight, most)
+        if detection.extent_m is not None:
+            old = thing.extent_m or (0.0, 0.0)
+            n = thing.extents
+            width, height = (
+                (o * n + e) / (n + 1) for o, e in zip(old, detection.extent_m, strict=True)
+            )
+            thing.extent_m, thing.extents = (width, height), n + 1
+        for each in (thing, place):
+            each.weight += detection.probability
+            each.seen += 1
+            each.last_ms = max(each.last_ms, ref.time_ms)
+            each.first_ms = min(each.first_ms, ref.time_ms)
+        thing.dirty = True
+        self._confirmed_since |= thing.seen == self._parameters.confirm_sightings
+        key = (thing.object_id, place.number)
+        self._grow(place, Interval.of(ref, detection), key)
+        for row in found.rows:
+            self._events.append(Seen(row.row, ref.name, row.box, entry_name(key)))
+
+    def _grow(self, place: Place, view: Interval, key: StayKey) -> None:
+        """Extend the open interval, or close it and begin another."""
+        old = place.open
+        if old is None or not old.follows_on(view, self._parameters):
+            place.open = view
+        elif old.fits(view, self._parameters):
+            place.open = old.union(view)
+            return
+        else:
+            place.open = replace(view, start_ms=min(old.end_ms + 1, view.end_ms))
+        if old is not None:
+            self._ledger.put_sighting(old.sighting(key))
+
+    def _meet(self, ref: FrameRef, seen: list[tuple[Known, Place]], found: list[Thing]) -> None:
+        shown = [
+            ((thing.object_id, place.number), each.detection.box, each.detection.probability)
+            for (thing, place), each in zip(seen, found, strict=True)
+        ]
+        self._encounters.add(ref, shown, self._ledger)
+
+    def end_look(self) -> None:
+        """Judge the look that ended: what was missing, what expires, what was moved."""
+        emptied = self._absence.end_look()
+        self._expire()
+        if emptied or self._confirmed_since:
+            self._confirmed_since = False
+            self._link()
+
+    def _expire(self) -> None:
+        """Drop tentative things that were not there in several looks that should show them."""
+        parameters = self._parameters
+        for number in sorted(self._memory.things):
+            thing = self._memory.things[number]
+            if thing.seen >= parameters.confirm_sightings or thing.names:
+                continue
+            if all(place.misses >= parameters.expire_chances for place in thing.places):
+                self._encounters.forget(thing.object_id)
+                self._ledger.remove_object(thing.object_id)
+                name = entry_name((thing.object_id, thing.places[0].number))
+                self._events.append(Became(name, None, EXPIRED))
+                self._memory.remove(thing)
+
+    def _link(self) -> None:
+        for link in moves.find_links(self._memory, self._parameters):
+            was = (link.new.object_id, link.new.places[0].number)
+            self.write()
+            became = moves.apply_link(link, self._memory, self._ledger, self._parameters)
+            self._encounters.rename(was, (link.old.object_id, link.old.places[-1].number))
+            self._events.append(became)
+
+    def write(self) -> None:
+        """Put what changed into the ledger, as ordinary records."""
+        self._recall.write()
+        self._encounters.write(self._ledger)
+
+    def flush(self) -> None:
+        """End a recording: everything is written, the memory is emptied."""
+        self.end_look()
+        self.write()
+        self._recall.forget_all()
+        self._matcher.offset = FrameOffset.unknown(self._parameters)
+        self._encounters = Encounters(self._parameters)
+
+    def take_events(self) -> list[Event]:
+        """Return what became of detections and entries since the last call."""
+        events, self._events = self._events, []
+        return events
+
+    def images(self) -> set[str]:
+        """Return the pictures needed beside those of written records: none."""
+        return set()
+
+    def to_state(self) -> tuple[Json, Arrays]:
+        """Return everything that `restore` needs."""
+        record, arrays = memory_state(self._memory)
+        record |= {
+            "next": self._next_number,
+            "confirmed_since": self._confirmed_since,
+            "categories": dict(self._categories.counts),
+            "offset": self._matcher.offset.to_state(),
+            "absence": self._absence.to_state(),
+            "recall": self._recall.to_state(),
+            "encounters": self._encounters.to_state(),
+        }
+        return record, arrays
+
+    def restore(self, record: Json, arrays: Arrays) -> None:
+        """Go on where `to_state` was called."""
+        memory_of_state(self._memory, record, arrays, self._parameters)
+        self._next_number = record["next"]
+        self._confirmed_since = record["confirmed_since"]
+        self._categories.counts.update(record["categories"])
+        self._matcher.offset.restore(record["offset"])
+        self._absence.restore(record["absence"])
+        self._recall.restore(record["recall"])
+        self._encounters.restore(record["encounters"])
