@@ -32,16 +32,16 @@ class Session:
     suggestions: tuple[str, ...] = ()
 
     def safely(self, text: str) -> Answer:
-        """Ask, and let a failing store be an answer: a chat goes on after it."""
+        """Ask, and let whatever fails be an answer that names it: a chat goes on after it."""
         try:
             return self.ask(text)
         except StoreError as error:
-            return Answer(
-                text=text,
-                status="error",
-                answer="I cannot reach my memory just now. Ask again in a moment.",
-                message=str(error),
-            )
+            words = "I cannot reach my memory just now. Ask again in a moment."
+            return Answer(text=text, status="error", answer=words, message=str(error))
+        except Exception as error:  # a chat outlives a defect, and shows it
+            words = "Something in me is broken; this question did not work."
+            name = type(error).__name__
+            return Answer(text=text, status="error", answer=words, message=f"{name}: {error}")
 
 
 def known_words(store: Store) -> tuple[str, ...]:

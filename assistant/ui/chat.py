@@ -177,6 +177,8 @@ class ChatScreen(Screen[None]):
         self.query_one("#picture", PictureView).whole = self.has_class("-wide")
         self._show_caption()
         self._show_header()
+        if self.focused is None:  # a window too small hides the question line, and its focus
+            self.focus_prompt()
 
     def _show_header(self) -> None:
         width = self.size.width - 2

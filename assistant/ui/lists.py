@@ -32,19 +32,25 @@ def rows(keyframes: Sequence[RankedKeyframe], now: datetime, width: int) -> list
     table = [keyframe_row(keyframe, now) for keyframe in keyframes]
     first = 0 if len({row[0] for row in table}) > 1 else 1
     kept = list(range(first, 5))
-    while True:
-        widths = [
-            min(_LIMITS[i], max((width_of(row[i]) for row in table), default=0)) for i in kept
-        ]
-        if sum(widths) + 2 * len(kept) + 4 <= width or len(kept) <= 2:
-            break
+    if _needed(table, kept) > width:
+        table = [(*row[:4], f"{k.seen}x") for k, row in zip(keyframes, table, strict=True)]
+    while len(kept) > 2 and _needed(table, kept) > width:
         kept.pop()
+    widths = _widths(table, kept)
     lines = []
     for keyframe, row in zip(keyframes, table, strict=True):
         cells = [shorten(row[i], w) for i, w in zip(kept, widths, strict=True)]
         padded = [cell + " " * (w - width_of(cell)) for cell, w in zip(cells, widths, strict=True)]
         lines.append(shorten(f"{keyframe.rank:>2}  " + "  ".join(padded).rstrip(), width))
     return lines
+
+
+def _widths(table: Sequence[tuple[str, ...]], kept: Sequence[int]) -> list[int]:
+    return [min(_LIMITS[i], max((width_of(row[i]) for row in table), default=0)) for i in kept]
+
+
+def _needed(table: Sequence[tuple[str, ...]], kept: Sequence[int]) -> int:
+    return 4 + sum(_widths(table, kept)) + 2 * (len(kept) - 1)
 
 
 class MarkedList(OptionList):

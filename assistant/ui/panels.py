@@ -32,6 +32,10 @@ def exchange(answer: Answer) -> Text:
         notes.append(clean(answer.message))
     if answer.unjudged:
         notes.append(f"Not judged: {clean(', '.join(answer.unjudged))}.")
+    if answer.otherwise is not None and not answer.keyframes:
+        notes.append("Below: the nearest that I did see.")
+    elif answer.suggestions and not answer.keyframes:
+        notes.append("Did you mean (Down and Enter):")
     if any(notes):
         text.append("\n" + "\n".join(note for note in notes if note), style="not dim")
     return text

@@ -1,0 +1,513 @@
+"""The chat by its keys: a pilot test each, over a fixed home with canned answers."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import threading
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager
+from pathlib import Path
+from typing import Any
+
+import pytest
+from PIL import Image
+from textual.pilot import Pilot
+from textual.widgets import Static
+
+from assistant.session import Session
+from assistant.ui.app import ChatApp
+from assistant.ui.history import History
+from assistant.ui.lists import KeyframeList, QuestionList
+from assistant.ui.panels import FloorView
+from assistant.ui.picture import PictureView
+from assistant.ui.prompt import Prompt
+from assistant.ui.sheets import FloorSheet, LargeSheet, PictureSheet, Sheet
+from d3a.answer import Answer
+from d3a.store.base import Keyframe, StoreUnreachable
+from tests.worlds import small_home
+from tests.worlds.oracle import OracleStore
+
+QUESTION = "where are my keys?"
+NOTHING: Any = None
+
+
+class Chat:
+    """A running chat, with the words a test asks of it."""
+
+    def __init__(self, app: ChatApp, pilot: Pilot[None]) -> None:
+        self.app, self.pilot = app, pilot
+
+    async def until(self, condition: Callable[[], bool]) -> None:
+        """Wait for threads and timers, at most five seconds."""
+        for _ in range(500):
+            await self.pilot.pause()
+            if condition():
+                return
+            await asyncio.sleep(0.01)
+        raise AssertionError(f"never came true; the screen says: {self.said()!r}")
+
+    def said(self) -> str:
+        return str(self.app.chat.query_one("#exchange", Static).content)
+
+    def rows(self) -> list[str]:
+        return self.app.chat.query_one(KeyframeList).lines_shown
+
+    def prompt(self) -> Prompt:
+        return self.app.chat.query_one(Prompt)
+
+    def picture(self) -> str:
+        return self.app.chat.query_one("#picture", PictureView).text
+
+    async def type(self, text: str, enter: bool = True) -> None:
+        self.prompt().insert_text_at_cursor(text)
+        if enter:
+            await self.pilot.press("enter")
+
+    async def ask(self, text: str = QUESTION) -> None:
+        await self.type(text)
+        await self.until(lambda: f"You: {text}" in self.said())
+
+
+@asynccontextmanager
+async def chat(
+    session: Session | None = None, size: tuple[int, int] = (80, 24), **options: Any
+) -> AsyncIterator[Chat]:
+    if session is None:
+        store = OracleStore()
+        small_home.fill(store)
+        session = small_home.session(store)
+    app = ChatApp(session, **options)
+    async with app.run_test(size=size) as pilot:
+        running = Chat(app, pilot)
+        await running.until(lambda: bool(running.said()))
+        yield running
+
+
+async def test_the_first_screen_offers_questions_that_have_answers() -> None:
+    async with chat() as c:
+        assert "Ask me where things were." in c.said()
+        assert "kitchen" in c.said()
+        questions = c.app.chat.query_one(QuestionList).lines_shown
+        assert questions[0] == ">  1  Where are the keys?"
+        assert any("together" in question for question in questions)
+        assert c.prompt().has_focus
+        await c.pilot.press("down", "2", "enter")
+        await c.until(lambda: "together" in c.said())
+        assert len(c.rows()) == 3
+
+
+async def test_enter_asks_and_shows_sentence_list_picture_and_map() -> None:
+    async with chat() as c:
+        await c.ask()
+        assert "On the kitchen table." in c.said()
+        assert "2 more below." in c.said()
+        assert [row[:5] for row in c.rows()] == [">  1 ", "   2 ", "   3 "]
+        await c.until(lambda: "┏" in c.picture())
+        assert " keys " in c.picture()
+        assert [mark.rank for mark in c.app.chat.query_one(FloorView).keyframes] == [1, 2, 3]
+        assert c.prompt().has_focus
+        assert c.prompt().value == ""
+
+
+async def test_digits_and_arrows_choose_a_keyframe() -> None:
+    async with chat() as c:
+        await c.ask()
+        await c.pilot.press("down")  # from the question line to the list
+        assert c.app.chat.query_one(KeyframeList).has_focus
+        await c.pilot.press("3")
+        await c.until(lambda: c.app.chat.shot is not None and c.app.chat.shot.keyframe.rank == 3)
+        assert c.rows()[2].startswith(">  3")
+        assert c.rows()[0].startswith("   1")
+        await c.pilot.press("up")
+        await c.until(lambda: c.app.chat.shot is not None and c.app.chat.shot.keyframe.rank == 2)
+
+
+async def test_typing_in_the_list_goes_on_in_the_question_line() -> None:
+    async with chat() as c:
+        await c.ask()
+        await c.pilot.press("down", "w", "h")
+        assert c.prompt().has_focus
+        assert c.prompt().value == "wh"
+
+
+async def test_enter_on_a_row_opens_the_whole_picture_and_closes_it() -> None:
+    async with chat() as c:
+        await c.ask()
+        await c.until(lambda: bool(c.picture()))
+        await c.pilot.press("down", "enter")
+        sheet = c.app.screen
+        assert isinstance(sheet, PictureSheet)
+        view = sheet.query_one(PictureView)
+        await c.until(lambda: "┏" in view.text)
+        await c.pilot.press("down")
+        await c.until(lambda: view.shot is not None and view.shot.keyframe.rank == 2)
+        assert view.whole
+        await c.pilot.press("c")
+        assert not view.whole
+        await c.pilot.press("enter")
+        assert c.app.screen is c.app.chat
+        assert c.rows()[1].startswith(">  2")
+
+
+@pytest.mark.parametrize(
+    ("key", "word", "sheet"),
+    [
+        ("f1", "/help", Sheet),
+        ("f2", "/picture", PictureSheet),
+        ("f3", "/map", FloorSheet),
+        ("f5", "/large", LargeSheet),
+        ("f7", "/why", Sheet),
+    ],
+)
+async def test_each_key_opens_its_sheet_and_escape_leaves_it(
+    key: str, word: str, sheet: type
+) -> None:
+    async with chat() as c:
+        await c.ask()
+        await c.until(lambda: c.app.chat.shot is not None)
+        for press in ([key], None):  # by the key, then by the word
+            if press:
+                await c.pilot.press(*press)
+            else:
+                await c.type(word)
+            await c.until(lambda: isinstance(c.app.screen, sheet))
+            await c.pilot.press("escape")
+            assert c.app.screen is c.app.chat
+
+
+async def test_why_shows_the_formal_query_the_score_and_the_plan() -> None:
+    async with chat() as c:
+        await c.ask()
+        await c.pilot.press("f7")
+
+        def text() -> str:
+            return str(c.app.screen.query_one("#sheet-text", Static).content)
+
+        await c.until(lambda: "find [keys]" in text())
+        for part in ("keys(x) | STc.find", "Q3", "attributes brass 0.50", "0.70 (fairly sure)"):
+            assert part in text()
+
+
+@pytest.mark.parametrize("key", ["f2", "f5", "f6", "f7", "f8"])
+async def test_a_key_without_an_answer_says_so(key: str) -> None:
+    async with chat() as c:
+        await c.pilot.press(key)
+        await c.pilot.pause()
+        assert c.app.screen is c.app.chat
+        [notice] = c.app._notifications
+        assert "ask a question first" in notice.message
+
+
+async def test_save_writes_json_and_a_png_with_the_box(tmp_path: Path) -> None:
+    async with chat(saves=tmp_path / "saved") as c:
+        await c.ask()
+        await c.until(lambda: c.app.chat.shot is not None)
+        await c.pilot.press("f6")
+        await c.pilot.press("f6")  # a second time overwrites nothing
+    files = sorted(path.name for path in (tmp_path / "saved").iterdir())
+    assert files == [
+        "where-are-my-keys-01-keys-20260301-094200-2.png",
+        "where-are-my-keys-01-keys-20260301-094200.png",
+        "where-are-my-keys-2.json",
+        "where-are-my-keys.json",
+    ]
+    record = json.loads((tmp_path / "saved" / files[3]).read_text())
+    assert record["keyframes"][0]["frame"] == "000000"
+    with Image.open(tmp_path / "saved" / files[1]) as image:
+        assert image.size == (small_home.WIDTH, small_home.HEIGHT)
+        assert image.getpixel((61, 120)) == (255, 215, 0)  # the box's left edge
+
+
+async def test_a_folder_that_cannot_be_written_is_a_message(tmp_path: Path) -> None:
+    blocked = tmp_path / "file"
+    blocked.write_text("")
+    async with chat(saves=blocked / "saved") as c:
+        await c.ask()
+        await c.pilot.press("f6")
+        [notice] = c.app._notifications
+        assert "cannot be written" in notice.message
+
+
+async def test_copy_takes_the_answer_and_its_rows(monkeypatch: pytest.MonkeyPatch) -> None:
+    async with chat() as c:
+        await c.ask()
+        await c.pilot.press("f8")
+        lines = c.app.clipboard.splitlines()
+        assert lines[0].startswith("On the kitchen table.")
+        assert lines[1] == "1  keys, 9:42 today, kitchen, by the table, fairly sure, seen 14 times"
+        assert len(lines) == 4
+
+
+async def test_up_and_down_walk_through_earlier_questions(tmp_path: Path) -> None:
+    history = History(tmp_path / "history.jsonl")
+    history.add("where is the bowl?")
+    async with chat(history=history) as c:
+        await c.ask()
+        await c.type("where is", enter=False)
+        await c.pilot.press("up")
+        assert c.prompt().value == QUESTION
+        await c.pilot.press("up", "up")  # there is nothing before the first
+        assert c.prompt().value == "where is the bowl?"
+        await c.pilot.press("down", "down")
+        assert c.prompt().value == "where is"
+        c.prompt().clear()
+        await c.type("/forget")
+        await c.until(lambda: not c.prompt().known.earlier)
+    assert not (tmp_path / "history.jsonl").exists()
+
+
+async def test_right_takes_the_suggestion() -> None:
+    async with chat() as c:
+        await c.pilot.press(*"did you see the bo")
+        await c.until(lambda: c.prompt()._suggestion != "")
+        await c.pilot.press("right")
+        assert c.prompt().value == "did you see the bowl"
+
+
+async def test_pasted_lines_become_one() -> None:
+    from textual.events import Paste
+
+    async with chat() as c:
+        c.prompt().post_message(Paste("where are\r\n  my\tkeys\x1b[31m?\n"))
+        await c.until(lambda: c.prompt().value == "where are my keys[31m?")
+
+
+async def test_tab_reaches_the_list() -> None:
+    async with chat() as c:
+        await c.ask()
+        await c.pilot.press("tab")
+        assert c.app.chat.query_one(KeyframeList).has_focus
+        await c.pilot.press("tab")
+        assert c.prompt().has_focus
+
+
+async def test_page_up_shows_what_was_said_earlier() -> None:
+    async with chat() as c:
+        await c.ask()
+        await c.ask("where was the cup yesterday?")
+        await c.pilot.press("pageup")
+        text = str(c.app.screen.query_one("#sheet-text", Static).content)
+        assert f"You: {QUESTION}" in text
+        assert "yesterday" not in text
+
+
+async def test_an_unknown_word_offers_what_is_known() -> None:
+    async with chat() as c:
+        await c.ask("where is my wallet?")
+        assert "Did you mean" in c.said()
+        assert not c.app.chat.query_one("#sight").display
+        await c.pilot.press("down", "2", "enter")
+        await c.until(lambda: "You: Where are the keys?" in c.said())
+        assert len(c.rows()) == 3
+
+
+async def test_a_no_shows_the_nearest_true_sighting() -> None:
+    async with chat() as c:
+        await c.ask("where were my keys yesterday?")
+        assert "Below: the nearest that I did see." in c.said()
+        [row] = c.rows()
+        assert "17:00 Fri" in row
+        await c.until(lambda: "┏" in c.picture())
+
+
+async def test_a_plain_no_has_no_picture_of_the_answer_before() -> None:
+    async with chat() as c:
+        await c.ask()
+        await c.until(lambda: "┏" in c.picture())
+        await c.ask("did you never see it?")
+        await c.until(lambda: c.app.chat.shot is None)
+        assert c.rows() == []
+
+
+async def test_a_late_answer_never_replaces_a_newer_one() -> None:
+    store = OracleStore()
+    small_home.fill(store)
+    release = threading.Event()
+
+    def slowly(text: str) -> Answer:
+        if "slow" in text:
+            release.wait(5)
+        return small_home.answer(text)
+
+    async with chat(small_home.session(store, slowly)) as c:
+        await c.type("slow question")
+        await c.until(lambda: "Looking" in c.said())  # says so after 300 ms
+        await c.type("quick question")
+        release.set()
+        await c.until(lambda: "You: quick question" in c.said())
+        await c.pilot.pause(0.1)
+        assert "You: quick question" in c.said()
+
+
+async def test_escape_stops_a_question() -> None:
+    store = OracleStore()
+    small_home.fill(store)
+    release = threading.Event()
+
+    def slowly(text: str) -> Answer:
+        if text == "slow":
+            release.wait(5)
+        return small_home.answer(text)
+
+    async with chat(small_home.session(store, slowly)) as c:
+        await c.type("slow")
+        await c.until(lambda: "Looking" in c.said())
+        await c.pilot.press("escape")
+        assert "Stopped." in c.said()
+        release.set()
+        await c.pilot.pause(0.1)
+        assert "Stopped." in c.said()
+        await c.ask()
+
+
+async def test_a_failing_store_is_an_answer_and_the_chat_goes_on() -> None:
+    store = OracleStore()
+    small_home.fill(store)
+    lost = [True]
+
+    def ask(text: str) -> Answer:
+        if lost[0]:
+            raise StoreUnreachable("mongodb://robot: no answer within 5 s")
+        return small_home.answer(text)
+
+    async with chat(small_home.session(store, ask)) as c:
+        await c.ask()
+        assert "I cannot reach my memory just now" in c.said()
+        assert "no answer within 5 s" in c.said()
+        lost[0] = False
+        await c.ask()
+        assert "On the kitchen table." in c.said()
+
+
+async def test_a_programming_error_is_an_answer_that_names_it() -> None:
+    store = OracleStore()
+    small_home.fill(store)
+
+    def ask(text: str) -> Answer:
+        raise ZeroDivisionError("float division")
+
+    async with chat(small_home.session(store, ask, suggestions=(QUESTION,))) as c:
+        await c.ask()
+        assert "ZeroDivisionError: float division" in c.said()
+
+
+class NoPictures(OracleStore):
+    """A store whose pictures cannot be had."""
+
+    def keyframe(self, key: str) -> Keyframe | None:
+        raise StoreUnreachable("the server went away")
+
+
+async def test_a_picture_that_cannot_be_fetched_is_a_message() -> None:
+    store = NoPictures()
+    small_home.fill(store)
+    async with chat(small_home.session(store)) as c:
+        await c.ask()
+        await c.until(lambda: "no picture is stored" in c.picture())
+        assert any("went away" in notice.message for notice in c.app._notifications)
+
+
+class CutPictures(OracleStore):
+    """A store whose pictures were cut in half."""
+
+    def keyframe(self, key: str) -> Keyframe | None:
+        whole = super().keyframe(key)
+        assert whole is not None
+        return Keyframe(key, whole.jpeg[: len(whole.jpeg) // 2], whole.width, whole.height, 0)
+
+
+async def test_a_damaged_picture_is_a_note() -> None:
+    store = CutPictures()
+    small_home.fill(store)
+    async with chat(small_home.session(store)) as c:
+        await c.ask()
+        await c.until(lambda: "cannot be read" in c.picture())
+
+
+async def test_an_empty_memory_says_how_to_fill_it() -> None:
+    async with chat(small_home.session(OracleStore())) as c:
+        assert "I have seen nothing yet." in c.said()
+        assert "d3a ingest" in c.said()
+
+
+async def test_names_are_data_and_never_markup_or_escapes() -> None:
+    async with chat() as c:
+        await c.type("where is the mug [/] \u202e?")
+        await c.until(lambda: "You: where is the mug [/] ?" in c.said())
+        await c.until(lambda: bool(c.picture()))
+        await c.pilot.press("f2")
+        await c.pilot.press("escape", "f3", "escape", "f7", "escape", "f5", "escape", "f8")
+        shown = c.said() + "".join(c.rows()) + c.picture() + c.app.clipboard
+        assert "mug [red]" in shown  # markup stands there as it was said
+        assert not {"\x1b", "\u202e"} & set(shown)
+
+
+@pytest.mark.parametrize(
+    ("size", "displayed"),
+    [
+        ((160, 50), {"exchange", "keyframes", "sight", "crop-pane", "timeline", "earlier"}),
+        ((110, 30), {"exchange", "keyframes", "sight", "crop-pane", "timeline", "earlier"}),
+        ((109, 40), {"exchange", "keyframes", "sight"}),
+        ((80, 24), {"exchange", "keyframes", "sight"}),
+        ((60, 16), {"exchange", "keyframes", "sight"}),
+        ((59, 24), {"exchange", "keyframes"}),
+        ((80, 15), {"exchange", "keyframes"}),
+        ((40, 10), {"exchange", "keyframes"}),
+        ((39, 24), {"too-small"}),
+        ((80, 9), {"too-small"}),
+        ((8, 3), {"too-small"}),
+    ],
+)
+async def test_every_size_of_window_has_its_layout(
+    size: tuple[int, int], displayed: set[str]
+) -> None:
+    parts = ("exchange", "keyframes", "sight", "crop-pane", "timeline", "earlier", "too-small")
+    async with chat(size=size) as c:
+        c.app.ask(QUESTION)
+        await c.until(lambda: "You:" in c.said())
+        await c.pilot.pause(0.1)
+        shown = {part for part in parts if c.app.chat.query_one(f"#{part}").region.area > 0}
+        assert shown == displayed
+        lines = c.app.chat.query_one("#ask")
+        if "too-small" not in displayed:
+            assert lines.region.bottom == size[1] - 1  # the question line is never pushed out
+
+
+async def test_resizing_changes_the_layout_at_once() -> None:
+    async with chat() as c:
+        await c.ask()
+        await c.pilot.resize_terminal(160, 50)
+        await c.until(lambda: c.app.chat.query_one("#picture", PictureView).whole)
+        await c.pilot.resize_terminal(30, 8)
+        await c.until(lambda: c.app.chat.query_one("#too-small").display)
+        await c.pilot.resize_terminal(80, 24)
+        await c.until(lambda: not c.app.chat.query_one("#picture", PictureView).whole)
+        await c.until(lambda: "┏" in c.picture())
+
+
+async def test_an_unknown_word_after_a_slash_names_the_known_ones() -> None:
+    async with chat() as c:
+        await c.type("/hlep")
+        await c.pilot.pause()
+        [notice] = c.app._notifications
+        assert "/help" in notice.message
+
+
+async def test_ascii_pictures_need_no_block_characters() -> None:
+    async with chat(pictures="ascii") as c:
+        await c.ask()
+        await c.until(lambda: "+--" in c.picture() or "+ keys" in c.picture())
+        assert c.picture().isascii()
+
+
+async def test_pictures_can_be_off() -> None:
+    async with chat(pictures="off") as c:
+        await c.ask()
+        await c.until(lambda: c.picture() == "pictures are off")
+
+
+async def test_quit() -> None:
+    async with chat() as c:
+        await c.type("/quit")
+        await c.until(lambda: not c.app.is_running)
