@@ -142,5 +142,9 @@ def _head(name: Sequence[str]) -> str:
 
 
 def _is_shade_of(name: tuple[str, ...], words: tuple[str, ...], asked: set[str]) -> bool:
-    """Whether a listed name is the asked one, or a kind of it with the same head."""
-    return name == words or (len(words) > 1 and name[-1] == words[-1] and asked <= set(name))
+    """Whether a listed name is the asked one, or a kind of it with the same head alone."""
+    if name == words:
+        return True
+    others = set(name) - asked
+    kind = len(words) > 1 and name[-1] == words[-1] and asked <= set(name)
+    return kind and not others & set(BASIC)

@@ -1,0 +1,148 @@
+"""Colour words against histograms of painted things, in light that the model is not told."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from d3a.colours import BASIC, Palette, colours_of, is_colour, judge
+from tests.worlds.made import PAINTS, Rgb, painted
+
+WALLS: tuple[Rgb, ...] = ((150, 120, 90), (170, 170, 165), (90, 80, 75), (210, 200, 180))
+
+
+def shop(*, light: float, fill: float) -> tuple[NDArray[np.float32], list[str]]:
+    """Return four things of each paint, each paint a little off, before four walls."""
+    rng = np.random.default_rng(20)
+    rows, names = [], []
+    for wall in WALLS:
+        for name, paint in PAINTS.items():
+            r, g, b = np.clip(np.array(paint) + rng.normal(0, 8, 3), 0, 255)
+            rows.append(painted((r, g, b), rng, wall=wall, light=light, fill=fill))
+            names.append(name)
+    return np.stack(rows), names
+
+
+@pytest.mark.parametrize("light", [1.0, 0.7, 0.45])
+def test_painted_things_get_their_own_colour_in_any_light(light: float) -> None:
+    matrix, names = shop(light=light, fill=0.6)
+    palette = Palette.of(matrix)
+    scores = np.stack([judge([term], matrix, palette).probability for term in BASIC], axis=1)
+    best = [BASIC[i] for i in scores.argmax(axis=1)]
+    right = sum(a == b for a, b in zip(best, names, strict=True))
+    assert right / len(names) >= 0.9
+    assert np.allclose(scores.sum(axis=1), 1.0)
+
+
+@pytest.mark.parametrize("fill", [0.75, 0.6, 0.4])
+def test_a_thing_keeps_its_colour_and_refuses_most_others(fill: float) -> None:
+    matrix, names = shop(light=0.7, fill=fill)
+    palette = Palette.of(matrix)
+    tenable = {term: judge([term], matrix, palette).tenable for term in BASIC}
+    own = [tenable[name][i] for i, name in enumerate(names)]
+    others = [sum(tenable[t][i] for t in BASIC if t != name) for i, name in enumerate(names)]
+    assert np.mean(own) >= 0.9
+    assert np.mean(others) <= 0.2
+
+
+def test_one_thing_alone_is_judged_without_others_around() -> None:
+    rng = np.random.default_rng(1)
+    matrix = painted(PAINTS["red"], rng)[None, :]
+    palette = Palette.of(matrix)
+    assert judge(["red"], matrix, palette).probability[0] > 0.9
+    assert not judge(["blue"], matrix, palette).tenable[0]
+
+
+def test_scale_of_a_histogram_does_not_matter() -> None:
+    matrix, _ = shop(light=1.0, fill=0.6)
+    palette = Palette.of(matrix)
+    one = judge(["green"], matrix, palette).probability
+    assert np.allclose(one, judge(["green"], matrix * 7, palette).probability)
+
+
+@pytest.mark.parametrize(
+    ("darker", "lighter"), [("dark blue", "light blue"), ("dark green", "light green")]
+)
+def test_shades_of_one_colour_are_told_apart(darker: str, lighter: str) -> None:
+    rng = np.random.default_rng(3)
+    hue = darker.split()[1]
+    dark = tuple(0.42 * np.array(PAINTS[hue]))
+    pale = tuple(0.5 * np.array(PAINTS[hue]) + 0.5 * 255)
+    rest = [painted(paint, rng) for paint in PAINTS.values()]
+    matrix = np.stack([painted(dark, rng), painted(pale, rng), *rest])  # type: ignore[arg-type]
+    palette = Palette.of(matrix)
+    one, other = judge([darker], matrix, palette), judge([lighter], matrix, palette)
+    assert one.probability[0] > 3 * one.probability[1]
+    assert other.probability[1] > 3 * other.probability[0]
+    assert one.tenable[0]
+    assert other.tenable[1]
+
+
+def test_a_colour_that_nobody_thought_of_works() -> None:
+    rng = np.random.default_rng(4)
+    teal, crimson = (10, 125, 125), (150, 10, 45)
+    rest = [painted(paint, rng) for paint in PAINTS.values()]
+    matrix = np.stack([painted(teal, rng), painted(crimson, rng), *rest])
+    palette = Palette.of(matrix)
+    for word, row in (("teal", 0), ("crimson", 1)):
+        verdict = judge([word], matrix, palette)
+        assert int(np.argmax(verdict.probability)) == row
+        assert verdict.tenable[row]
+
+
+def test_red_and_white_wants_both() -> None:
+    rng = np.random.default_rng(5)
+    half = (painted(PAINTS["red"], rng) + painted(PAINTS["white"], rng)) / 2
+    rest = [painted(paint, rng) for paint in PAINTS.values()]
+    matrix = np.stack([half, *rest]).astype(np.float32)
+    verdict = judge(["red", "white"], matrix, Palette.of(matrix))
+    assert int(np.argmax(verdict.probability)) == 0
+    assert verdict.tenable[0]
+    assert not verdict.tenable[1 + list(PAINTS).index("blue")]
+
+
+@pytest.mark.parametrize(
+    "word",
+    [
+        "red",
+        "gray",
+        "Grey",
+        "light-blue",
+        "navy",
+        "navy blue",
+        "teal",
+        "golden",
+        "reddish",
+        "beige",
+    ],
+)
+def test_listed_words_are_colours(word: str) -> None:
+    assert is_colour(word)
+
+
+@pytest.mark.parametrize("word", ["wooden", "leather", "dark", "striped", "", "brick", "plastic"])
+def test_other_words_are_not(word: str) -> None:
+    assert not is_colour(word)
+    assert colours_of(word) is None
+
+
+def test_gray_and_grey_are_one_word() -> None:
+    one, other = colours_of("light gray"), colours_of("light-grey")
+    assert one is not None
+    assert other is not None
+    assert np.array_equal(one, other)
+
+
+def test_a_basic_term_takes_in_the_names_that_end_in_it() -> None:
+    blue, dark_blue = colours_of("blue"), colours_of("dark blue")
+    assert blue is not None
+    assert dark_blue is not None
+    assert len(blue) > 100 > len(dark_blue) > 1
+    assert {tuple(row) for row in dark_blue} < {tuple(row) for row in blue}
+
+
+def test_an_empty_store_has_a_palette() -> None:
+    palette = Palette.of(np.zeros((0, 512), dtype=np.float32))
+    assert palette.count == 0
+    assert palette.exposure == 1.0

@@ -1,0 +1,82 @@
+"""Words to objects: each rung of the ladder, votes, names and owners."""
+
+from __future__ import annotations
+
+import pytest
+
+from d3a.match import BROADER, EXACT, NARROWER, SYNONYM, candidates, is_named, rungs
+from d3a.plan import FindObjects, Precision
+from d3a.store.base import ObjectRecord, TaughtName
+from tests.worlds.made import Words
+
+STORE = ("couch", "cup", "sportsball", "truck")
+
+
+def find(
+    category: str, word: str = "", owner: str | None = None, precision: Precision | None = None
+) -> FindObjects:
+    return FindObjects("x", category, word or category, owner, precision)
+
+
+def record(
+    name: str, category: str, votes: tuple[tuple[str, float], ...] = (), *names: TaughtName
+) -> ObjectRecord:
+    return ObjectRecord(name, category, 1.0, 0, 0, categories=votes, names=names)
+
+
+@pytest.mark.parametrize(
+    ("step", "expected"),
+    [
+        (find("cup"), {"cup": EXACT}),
+        (find("cup", "mug"), {"cup": SYNONYM}),
+        (find("sports ball"), {"sportsball": EXACT}),
+        (find("ball"), {"sportsball": NARROWER}),
+        (find("furniture"), {"couch": NARROWER}),
+        (find("couch", "sofa"), {"couch": SYNONYM}),
+        (find("elephant"), {}),
+        (find("object"), dict.fromkeys(STORE, EXACT)),
+        (find("cup", precision="perfect"), {}),
+        (find("elephant", precision="any"), dict.fromkeys(STORE, EXACT)),
+        (find("ball", precision="category"), {}),
+    ],
+)
+def test_rungs(step: FindObjects, expected: dict[str, float]) -> None:
+    assert rungs(step, STORE, Words()) == expected
+
+
+def test_a_broader_category_may_hold_what_was_asked() -> None:
+    assert rungs(find("cup"), ("drinkware",), Words()) == {"drinkware": BROADER}
+
+
+def test_a_compound_is_a_kind_of_its_head() -> None:
+    assert rungs(find("cup"), ("coffee cup", "cup holder"), Words()) == {"coffee cup": NARROWER}
+
+
+def test_votes_of_the_detector_share_the_match() -> None:
+    records = [record("a", "cup", (("cup", 3.0), ("bowl", 1.0))), record("b", "bowl")]
+    found = candidates(find("bowl"), records, {"bowl": EXACT})
+    assert [(c.record.object_id, c.match) for c in found] == [("a", 0.25), ("b", 1.0)]
+
+
+def test_a_taught_name_fits_fully_whatever_the_category() -> None:
+    taught = record("a", "cell phone", (), TaughtName("Pumpkin"))
+    found = candidates(find("pumpkin"), [taught, record("b", "cup")], {})
+    assert [(c.record.object_id, c.match) for c in found] == [("a", EXACT)]
+
+
+def test_the_owner_narrows_what_is_taught_and_nothing_else() -> None:
+    hers = record("a", "key", (), TaughtName("key", "anna"))
+    his = record("b", "key", (), TaughtName("key", "ben"))
+    plain = record("c", "key")
+    worth = {"key": EXACT}
+    ids = [c.record.object_id for c in candidates(find("key", owner="anna"), [hers, his], worth)]
+    assert ids == ["a"]
+    untaught = candidates(find("key", owner="anna"), [plain], worth)
+    assert [c.record.object_id for c in untaught] == ["c"]
+
+
+def test_named_needs_the_asked_owner() -> None:
+    hers = record("a", "key", (), TaughtName("key", "anna"))
+    assert is_named(hers, find("key", owner="anna"))
+    assert is_named(hers, find("key"))
+    assert not is_named(hers, find("key", owner="ben"))

@@ -1,0 +1,137 @@
+"""The plan of each form, as data."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from datetime import timedelta
+
+import pytest
+
+from d3a.plan import (
+    Cover,
+    ExplainEmpty,
+    FilterPlace,
+    FindEdge,
+    FindLandmarks,
+    FindObjects,
+    FindSightings,
+    FindStays,
+    JudgeAttributes,
+    KeepMissing,
+    KeepMoved,
+    KeepUsual,
+    Measure,
+    Rank,
+    Relate,
+    plan,
+)
+from grammar.forms import FormalQuery, ObjectTerm, Relation, TimeSlice, Where
+from tests.worlds.made import NOON
+
+CUP = ObjectTerm("cup", "mug", attributes=("pink",), owner="anna")
+BOWL = ObjectTerm("bowl")
+SLICE = TimeSlice(NOON, NOON + timedelta(hours=1))
+END = (FindLandmarks("x"), Cover(None), ExplainEmpty("x"))
+
+
+def test_q1_finds_judges_and_ranks() -> None:
+    query = FormalQuery("", "Q1", "whether", (CUP,))
+    assert plan(query).steps == (
+        FindObjects("x", "cup", "mug", "anna"),
+        JudgeAttributes("x", ("pink",)),
+        FindSightings("x"),
+        FindStays("x"),
+        Measure("whether", "x"),
+        Rank("x", "all", spread=True),
+        *END,
+    )
+
+
+def test_q3_asks_for_the_slice_and_the_place() -> None:
+    query = FormalQuery("", "Q3", "where", (BOWL,), place="kitchen", time=SLICE, select="last")
+    assert plan(query).steps == (
+        FindObjects("x", "bowl", "bowl"),
+        FindSightings("x", SLICE.start, SLICE.end),
+        FindStays("x"),
+        FilterPlace("x", "kitchen"),
+        Measure("where", "x"),
+        Rank("x", "last", spread=False),
+        FindLandmarks("x"),
+        Cover("kitchen"),
+        ExplainEmpty("x", SLICE, "kitchen"),
+    )
+
+
+def test_q2_joins_both_objects_in_the_slice() -> None:
+    query = FormalQuery("", "Q2", "when", (CUP, BOWL), Relation("together"), time=SLICE)
+    steps = plan(query).steps
+    assert steps.index(FindObjects("y", "bowl", "bowl")) == 4
+    assert Relate("together", ("x", "y"), start=SLICE.start, end=SLICE.end) in steps
+
+
+def test_point_in_time_asks_for_the_sightings_before_and_after() -> None:
+    query = FormalQuery("", "Q3", "where", (BOWL,), time=TimeSlice(NOON, NOON))
+    steps = plan(query).steps
+    assert steps[1:3] == (FindEdge("x", "last", NOON), FindEdge("x", "first", NOON))
+    assert not any(isinstance(step, FindSightings) for step in steps)
+
+
+def test_description_narrows_the_object_before_it_is_related() -> None:
+    table = ObjectTerm("table", where=Where("near", ObjectTerm("door")))
+    query = FormalQuery("", "Q2", "where", (CUP, table), Relation("on"))
+    steps = list(plan(query).steps)
+    described = steps.index(Relate("near", ("y", "y.1"), keep="figure"))
+    assert FindObjects("y.1", "door", "door") in steps[:described]
+    assert described < steps.index(Relate("on", ("x", "y")))
+
+
+@pytest.mark.parametrize(
+    ("ask", "negated", "expected"), [("when", True, True), ("whether", True, False)]
+)
+def test_negation_seeks_absence_unless_the_answer_is_yes_or_no(
+    ask: str, negated: bool, expected: bool
+) -> None:
+    query = FormalQuery("", "Q2", "when", (CUP, BOWL), Relation("on"), negated=negated)
+    query = replace(query, ask=ask)  # type: ignore[arg-type]
+    relate = next(step for step in plan(query).steps if isinstance(step, Relate))
+    assert relate.negated is expected
+
+
+@pytest.mark.parametrize(
+    ("ask", "select", "step"),
+    [
+        ("moved", "all", KeepMoved("x", SLICE.start, SLICE.end)),
+        ("missing", "all", KeepMissing("x", SLICE.start, SLICE.end)),
+        ("where", "usual", KeepUsual("x", SLICE.start, SLICE.end)),
+    ],
+)
+def test_questions_over_the_memory_look_at_all_of_it(ask: str, select: str, step: object) -> None:
+    query = FormalQuery("", "Q3", "where", (BOWL,), time=SLICE)
+    steps = plan(replace(query, ask=ask, select=select)).steps  # type: ignore[arg-type]
+    assert step in steps
+    assert FindSightings("x") in steps
+
+
+def test_what_moved_needs_no_object() -> None:
+    assert plan(FormalQuery("", "Q1", "moved")).steps[0] == FindObjects("x", "object", "object")
+
+
+def test_precision_is_forced_on_every_object() -> None:
+    query = FormalQuery("", "Q2", "when", (CUP, BOWL), Relation("together"))
+    finds = [s for s in plan(query, precision="any").steps if isinstance(s, FindObjects)]
+    assert [find.precision for find in finds] == ["any", "any"]
+
+
+def test_plan_is_printable_as_data_and_as_lines() -> None:
+    query = FormalQuery("", "Q3", "where", (CUP,), time=SLICE)
+    steps = plan(query)
+    assert json.loads(json.dumps(steps.to_json()))[0] == {
+        "step": "FindObjects",
+        "var": "x",
+        "category": "cup",
+        "word": "mug",
+        "owner": "anna",
+    }
+    assert steps.lines()[1] == "JudgeAttributes(var='x', attributes=['pink'])"
+    assert len(steps.lines()) == len(steps.steps)
