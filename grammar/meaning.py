@@ -1,0 +1,193 @@
+"""What a question means before its time is known, and how that becomes a formal query."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from typing import TypeAlias
+
+from grammar.forms import (
+    ANYTHING,
+    Ask,
+    Form,
+    FormalQuery,
+    ObjectTerm,
+    Relation,
+    RelationKind,
+    Select,
+    TimeSlice,
+    Where,
+)
+
+THING = ObjectTerm(ANYTHING, "thing")
+_PLACED: tuple[Ask, ...] = ("where", "when", "how_long", "how_often", "moved", "missing")
+
+
+@dataclass(frozen=True, slots=True)
+class Group:
+    """Objects joined by `and`; `choice` where they are joined by `or`."""
+
+    terms: tuple[ObjectTerm, ...]
+    choice: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Related:
+    """A relation to further objects: on the table, not next to the door."""
+
+    kind: RelationKind
+    group: Group
+    negated: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class AtPlace:
+    """In a named place."""
+
+    name: str
+
+
+@dataclass(frozen=True, slots=True)
+class Here:
+    """Somewhere, here, at home: no place that narrows anything."""
+
+
+@dataclass(frozen=True, slots=True)
+class SideBySide:
+    """together, in the same place: a relation among the objects that were named."""
+
+    kind: RelationKind
+
+
+Item: TypeAlias = Related | AtPlace | Here | SideBySide
+
+
+@dataclass(frozen=True, slots=True)
+class Things:
+    """Objects and all that is said of where they are."""
+
+    group: Group | None = None
+    items: tuple[Item, ...] = ()
+
+    def with_items(self, items: tuple[Item, ...]) -> Things:
+        """Return the things with more said of where they are."""
+        return replace(self, items=(*self.items, *items))
+
+
+@dataclass(frozen=True, slots=True)
+class Meaning:
+    """A question read by the grammar, its floating words and time not yet added.
+
+    present: asked in the present tense. select: what the saying itself implies.
+    predicated: something besides the objects is asked, so that `is the cup` alone is no question.
+    """
+
+    ask: Ask
+    things: Things = field(default_factory=Things)
+    select: Select | None = None
+    newest: bool = False
+
+
+class MeaningError(ValueError):
+    """A reading that has no formal query; `state` when a state or property is asked."""
+
+    def __init__(self, reason: str, *, state: bool = True) -> None:
+        super().__init__(reason)
+        self.state = state
+
+
+def query(
+    meaning: Meaning,
+    text: str,
+    time: TimeSlice | None,
+    select: Select | None,
+    negated: bool,
+) -> FormalQuery:
+    """Return the formal query of a meaning, its floating words and its time.
+
+    Raises MeaningError where the objects cannot stand in their relation.
+    """
+    objects, relation, place = _arranged(meaning)
+    chosen: Select = select or meaning.select or "all"
+    if chosen == "all" and meaning.newest and time is None and meaning.ask == "where":
+        chosen = "last"
+    form = _form(meaning.ask, relation, time, place, chosen)
+    return FormalQuery(
+        text=text,
+        form=form,
+        ask=meaning.ask,
+        objects=objects,
+        relation=relation,
+        place=place,
+        time=time,
+        select=chosen,
+        negated=negated,
+    )
+
+
+def _form(
+    ask: Ask, relation: Relation | None, time: TimeSlice | None, place: str | None, select: Select
+) -> Form:
+    """Return Q2 for a relation, Q3 for a place, a time or what they narrow, else Q1."""
+    if relation is not None:
+        return "Q2"
+    narrowed = time is not None or place is not None or select in ("first", "last", "usual")
+    return "Q3" if narrowed or ask in _PLACED else "Q1"
+
+
+def _arranged(
+    meaning: Meaning,
+) -> tuple[tuple[ObjectTerm, ...], Relation | None, str | None]:
+    """Lay objects and relations out: the first relation is the query's, later ones describe."""
+    things = meaning.things
+    terms = list(things.group.terms) if things.group else []
+    relation: Relation | None = None
+    place: str | None = None
+    figures = len(terms)
+    for item in things.items:
+        match item:
+            case AtPlace():
+                if place is not None and place != item.name:
+                    raise MeaningError("it names two places", state=False)
+                place = item.name
+            case SideBySide():
+                relation = relation or Relation(item.kind)
+            case Here():
+                continue
+            case Related() if relation is None:
+                terms, figures = _with_figure(terms, figures)
+                relation = Relation(item.kind, item.negated)
+                terms += item.group.terms
+            case Related():
+                _describe(terms, figures, item)
+    if relation is not None and relation.kind == "between" and len(terms) - max(figures, 1) > 2:
+        raise MeaningError("between takes two things", state=False)
+    if not terms and meaning.ask in ("what", "whether", "count"):
+        terms = [THING]
+    if relation is not None and len(terms) < 2 and not _several(terms):
+        raise MeaningError("a relation needs two things", state=False)
+    return tuple(terms), relation, place
+
+
+def _several(terms: list[ObjectTerm]) -> bool:
+    """Whether one noun stands for several things: `were the two cups together`."""
+    return bool(terms)
+
+
+def _with_figure(terms: list[ObjectTerm], figures: int) -> tuple[list[ObjectTerm], int]:
+    return (terms, figures) if terms else ([THING], 1)
+
+
+def _describe(terms: list[ObjectTerm], figures: int, item: Related) -> None:
+    """Hang a further relation on the object it describes: the last one, or for `with` the first."""
+    target = 0 if item.kind == "together" else len(terms) - 1
+    described = terms[target]
+    for term in item.group.terms:
+        if described.where is not None:
+            inner = described.where.object
+            if inner.where is not None:
+                raise MeaningError("it says too much about one thing", state=False)
+            deeper = replace(inner, where=Where(item.kind, term, item.negated))
+            described = replace(described, where=replace(described.where, object=deeper))
+        else:
+            described = replace(described, where=Where(item.kind, term, item.negated))
+    terms[target] = described

@@ -1,0 +1,125 @@
+"""Open words of a noun phrase: attributes, compound nouns and unknown nouns told apart."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from grammar.closed import is_open
+from grammar.forms import ANYTHING, ObjectTerm
+from grammar.vocabulary import Lexicon
+from grammar.vocabulary.lexicon import THINGS
+from grammar.words import Word
+
+_SUFFIXES = (
+    "-colored",
+    "-coloured",
+    "-shaped",
+    "-sized",
+    "-patterned",
+    "-striped",
+    "-like",
+    "-dotted",
+)
+_MAX_COMPOUND = 4
+PREDICATES = frozenset(("colour", "material", "pattern", "shape", "size"))
+"""Kinds of attributes that a camera can vouch for; the others are states and opinions."""
+
+
+@dataclass(frozen=True, slots=True)
+class Noun:
+    """A noun as it was said, singular. known: the lexicon has it. term: what a pronoun stands for."""
+
+    category: str
+    said: str
+    known: bool
+    term: ObjectTerm | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Attribute:
+    """A describing word as said, and its kind (colour, material, pattern, shape, size, other)."""
+
+    said: str
+    kind: str
+
+
+@dataclass(frozen=True)
+class NounReader:
+    """Reads the open words at a place as attributes and nouns."""
+
+    lexicon: Lexicon
+    verbs: frozenset[str]
+
+    def read(self, words: list[Word], i: int) -> list[tuple[Attribute | Noun, int, int]]:
+        """Return (what, first, last) for the run of open words at `i`."""
+        end = self._run_end(words, i)
+        found: list[tuple[Attribute | Noun, int, int]] = []
+        pending: int | None = None
+        k = i
+        while k < end:
+            size = self._compound(words, k, end)
+            attribute = None if size else self._attribute(words, k, end)
+            if size or attribute is None:
+                pending = k if pending is None else pending
+                k += size or 1
+                continue
+            if pending is not None:
+                found.append(self._noun(words, pending, k))
+                pending = None
+            said, kind, count = attribute
+            found.append((Attribute(said, kind), k, k + count))
+            k += count
+        if pending is not None:
+            found.append(self._noun(words, pending, end))
+        return found
+
+    def _run_end(self, words: list[Word], i: int) -> int:
+        end = i
+        while end < len(words) and is_open(words[end].text):
+            if words[end].text.endswith("'s"):
+                break
+            if end > i and words[end].text in self.verbs:
+                break
+            size = self._compound(words, end, len(words))
+            end += size or 1
+        return max(end, i + 1)
+
+    def _compound(self, words: list[Word], i: int, end: int) -> int:
+        """Return the length of the longest listed compound at `i`, 0 for none."""
+        for size in range(min(_MAX_COMPOUND, end - i), 1, -1):
+            said = " ".join(w.text for w in words[i : i + size])
+            if self.lexicon.known_noun(said):
+                return size
+        return 0
+
+    def _attribute(self, words: list[Word], i: int, end: int) -> tuple[str, str, int] | None:
+        """Return (word, kind, count) when an attribute stands at `i`, None for a noun."""
+        text = words[i].text
+        following = words[i + 1].text if i + 1 < end else ""
+        kinds = self.lexicon.attributes
+        if text in self.lexicon.shades and kinds.get(following) == "colour":
+            return f"{text} {following}", "colour", 2
+        kind = kinds.get(text) or self._hyphenated(text)
+        if kind is None:
+            return None
+        if following and (kind != "other" or i + 1 < end):
+            return text, kind, 1
+        noun = self.lexicon.known_noun(text)
+        alone = i == 0 or not is_open(words[i - 1].text) or words[i - 1].text in kinds
+        return None if noun and alone else (text, kind, 1)
+
+    def _hyphenated(self, text: str) -> str | None:
+        if "-" not in text:
+            return None
+        if text.endswith(_SUFFIXES):
+            return "shape" if text.endswith("-shaped") else "colour"
+        return self.lexicon.attributes.get(text.rpartition("-")[2])
+
+    def _noun(self, words: list[Word], first: int, last: int) -> tuple[Noun, int, int]:
+        said = self.lexicon.singular(" ".join(w.text for w in words[first:last]))
+        head = said.rpartition(" ")[2]
+        if said in THINGS:
+            return Noun(ANYTHING, said, known=True), first, last
+        category = self.lexicon.canonical(said)
+        known = said in self.lexicon.nouns or head in self.lexicon.heads or category != said
+        return Noun(category, said, known), first, last

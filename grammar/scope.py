@@ -1,0 +1,381 @@
+"""What the product answers and what it does not, and how a refusal is worded.
+
+A memory of sightings knows things, places, relations and times. States, use, advice, people's and
+the robot's doings, the weather and the future are out of scope; noise is not understood.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+from grammar import speech, tagger
+from grammar.closed import is_open
+from grammar.errors import NotUnderstood, OutOfScope, QuestionError
+from grammar.forms import ANYTHING, FormalQuery, ObjectTerm
+from grammar.nouns import Attribute, Noun
+from grammar.vocabulary import Lexicon, files
+from grammar.words import Word
+
+_ASKING = frozenset(
+    "where when what which who whose why how is are was were am do does did have has had can could "
+    "may might should shall will would must whether if".split()
+)
+_WHERE_VERBS = frozenset("find see look search locate".split())
+_PURPOSE_AFTER = frozenset("so because cause before".split())
+_USE = frozenset("for".split())
+
+
+@lru_cache(maxsize=1)
+def _lists() -> dict[str, frozenset[str]]:
+    return {name: frozenset(lines) for name, lines in files.sections("scope.txt").items()}
+
+
+@lru_cache(maxsize=1)
+def _openings() -> tuple[tuple[str, ...], ...]:
+    return tuple(tuple(line.split()) for line in sorted(_lists()["opening"]))
+
+
+def asks(words: list[Word]) -> bool:
+    """Whether a sentence is a question by its first word, or looks for something."""
+    return bool(words) and (words[0].text in _ASKING or words[0].text == speech.SEEK)
+
+
+def without_purpose(words: list[Word]) -> tuple[list[Word], bool]:
+    """Cut off what only says why one asks: `so i can watch tv`, `to put some snacks`."""
+    texts = [w.text for w in words]
+    words = _without_preamble(words)
+    texts = [w.text for w in words]
+    if not texts or texts[0] not in ("where", "whereabouts", speech.SEEK, "have", "did", "when"):
+        return words, False
+    for i in range(2, len(texts)):
+        rest = texts[i + 1 : i + 3]
+        if (
+            texts[i] in ("so", "because", "cause", "before")
+            and rest
+            and rest[0] in ("i", "we", "that")
+        ):
+            return words[:i], True
+        if (
+            texts[i] in ("i", "we")
+            and rest
+            and rest[0] in ("want", "need", "have", "would", "am")
+            and _complete(texts[:i])
+        ):
+            return words[:i], True
+        infinitive = (
+            texts[i] == "to" and rest and is_open(rest[0]) and rest[0] not in ("left", "right")
+        )
+        if (
+            infinitive
+            and i >= 3
+            and is_open(texts[i - 1])
+            and texts[i - 1]
+            not in (
+                "something",
+                "anything",
+                "place",
+                "somewhere",
+                "anywhere",
+                "want",
+                "need",
+                "thing",
+            )
+        ):
+            return words[:i], True
+        if texts[i] == "in" and rest[:2] == ["order", "to"]:
+            return words[:i], True
+    return words, False
+
+
+def _complete(texts: list[str]) -> bool:
+    """Whether a clause may be over: it has a noun, and no verb waits for its subject."""
+    return is_open(texts[-1]) and len(texts) >= 3
+
+
+def _without_preamble(words: list[Word]) -> list[Word]:
+    """Cut off a reason said first: `i want to watch tv where is the remote`."""
+    texts = [w.text for w in words]
+    if len(texts) < 4 or texts[0] not in ("i", "we", speech.SEEK, "my", "it", "there"):
+        return words
+    for i in range(2, len(texts) - 2):
+        if texts[i] in ("where", "when", "have", "did") and texts[i + 1] in (
+            "is", "are", "was", "were", "did", "do", "can", "could", "have", "has", "you", "might", "should",
+        ):  # fmt: skip
+            if texts[i] in ("have", "did") and texts[i + 1] != "you":
+                continue
+            if texts[i] == "where" and texts[i - 1] in (
+                "know",
+                "remember",
+                "forgot",
+                "recall",
+                "tell",
+            ):
+                continue
+            return words[i:]
+    return words
+
+
+# -- refusals -------------------------------------------------------------------------------------
+
+
+def refuse_early(text: str, words: list[Word], rest: list[Word], lexicon: Lexicon) -> None:
+    """Raise OutOfScope for what the words alone give away: the future, reasons, advice."""
+    texts = [w.text for w in words]
+    hit = _future(texts)
+    if hit is not None:
+        raise _out(text, words[hit], "A memory knows the past, not the future", rest, lexicon)
+    if _use_asked(texts):
+        raise _out(text, words[0], "A memory of sightings gives no advice", rest, lexicon)
+    for opening in _openings():
+        if tuple(texts[: len(opening)]) == opening and not _excused(opening, texts, rest):
+            word = words[len(opening) - 1]
+            raise _out(text, word, _REASON, rest, lexicon)
+
+
+_REASON = "A memory of sightings knows where and when things were seen, nothing else"
+
+
+def _excused(opening: tuple[str, ...], texts: list[str], rest: list[Word]) -> bool:
+    """Whether an opening is one of a question about a thing after all."""
+    after = texts[len(opening) :]
+    if opening in (
+        ("where", "could", "i"),
+        ("where", "would", "i"),
+        ("where", "do", "i"),
+        ("where", "should"),
+    ):
+        return (
+            bool(_WHERE_VERBS & set(after[:3]))
+            or opening == ("where", "do", "i")
+            and bool(
+                {"keep", "put", "leave", "store", "usually", "normally", "have"} & set(after[:3])
+            )
+            or opening == ("where", "could", "i")
+            and "have" in after[:1]
+        )
+    if opening in (
+        ("is", "that"),
+        ("is", "this"),
+        ("are", "these"),
+        ("are", "those"),
+        ("was", "that"),
+        ("was", "this"),
+    ):
+        return bool(after) and is_open(after[0]) and after[0] not in _lists()["state"]
+    if opening in (("what", "do", "you"), ("what", "can"), ("what", "do", "i"), ("what", "could")):
+        return (
+            after[:1] == ["see"]
+            or after[:2] == ["you", "see"]
+            or after[:2] == ["be", "seen"]
+            or after[:2] == ["i", "see"]
+        )
+    if opening == ("what", "are", "you"):
+        return after[:1] == ["seeing"]
+    if opening in (("how", "is"), ("how", "are")):
+        return False
+    if opening == ("is", "it"):
+        return False
+    return False
+
+
+def _future(texts: list[str]) -> int | None:
+    for i, text in enumerate(texts):
+        if text in ("will", "shall", "tomorrow", "gonna"):
+            return i
+        if text == "next" and texts[i + 1 : i + 2] and texts[i + 1] in (
+            "week", "month", "year", "monday", "tuesday", "wednesday", "thursday", "friday", "saturday",
+            "sunday", "weekend", "day", "time",
+        ):  # fmt: skip
+            return i
+        if (
+            text == "going"
+            and texts[i + 1 : i + 2] == ["to"]
+            and i
+            and texts[i - 1] in ("am", "is", "are", "be")
+        ):
+            return i
+    return None
+
+
+def _use_asked(texts: list[str]) -> bool:
+    """Whether it is asked what to do, or where to do it: `where can i brush my teeth`."""
+    if texts[:1] != ["where"] or len(texts) < 4:
+        return False
+    if texts[1] in ("can", "could", "should", "may", "do", "would", "might") and texts[2] in (
+        "i",
+        "we",
+        "you",
+        "someone",
+        "one",
+    ):
+        verb = (
+            texts[3]
+            if texts[3]
+            not in ("i", "also", "usually", "normally", "always", "last", "typically", "generally")
+            else texts[4]
+            if len(texts) > 4
+            else ""
+        )
+        allowed = tagger.phrases().verbs | {
+            "have",
+            "find",
+            "see",
+            "look",
+            "search",
+            "get",
+            "keep",
+            "put",
+        }
+        if verb not in allowed:
+            return True
+        if texts[1] in ("should", "may") or (
+            texts[1] in ("can", "could")
+            and verb
+            in (
+                "put",
+                "store",
+                "keep",
+                "place",
+                "leave",
+                "hang",
+                "set",
+                "throw",
+                "get",
+                "lay",
+                "park",
+                "sit",
+                "stand",
+                "lie",
+            )
+        ):
+            return not (texts[1] in ("can", "could") and verb == "have") and verb not in (
+                "find",
+                "look",
+                "search",
+                "see",
+                "locate",
+            )
+    return False
+
+
+def refuse_late(text: str, found: FormalQuery, rest: list[Word], lexicon: Lexicon) -> None:
+    """Raise OutOfScope for a query whose head noun is no thing: `what is the weather`."""
+    lists = _lists()
+    for i, term in enumerate(found.objects):
+        if term.category in lexicon.places or term.category == ANYTHING:
+            continue
+        head = term.word.rpartition(" ")[2]
+        if i == 0 and (
+            term.word in lists["abstract"]
+            or head in lists["abstract"]
+            and head not in lexicon.nouns
+        ):
+            word = next((w for w in rest if w.text.startswith(head[:4])), rest[-1])
+            raise _out(text, word, f"“{term.word}” is no thing that a camera sees", rest, lexicon)
+    first = found.objects[0] if found.objects else None
+    if first is not None and first.category in lexicon.names:
+        raise _out(text, rest[-1], "It remembers things, not the doings of people", rest, lexicon)
+
+
+def refuse_noise(
+    text: str, tagged: tagger.Tagged, rest: list[Word], lexicon: Lexicon, *, timed: bool
+) -> None:
+    """Raise NotUnderstood for a short form whose noun nobody knows: noise is no question."""
+    kinds = [t.type for t in tagged.tags]
+    if any(k.startswith("_") or k in ("BE", "AUX", "WHO", "THERE") for k in kinds):
+        return
+    nouns = [t for t in tagged.tags if t.type == "NOUN"]
+    for noun in nouns[:1]:
+        value = noun.value
+        assert isinstance(value, Noun)
+        led = any(t.type in ("DET", "OWNER") for t in tagged.tags)
+        if not value.known and not (led or timed):
+            raise NotUnderstood(
+                text,
+                noun.word.start,
+                f"I do not know “{value.said}”.",
+                suggestions(text, rest, lexicon),
+            )
+
+
+def unread(
+    text: str, rest: list[Word], word: Word | None, tagged: tagger.Tagged, lexicon: Lexicon
+) -> QuestionError:
+    """Return the error of a sentence that no rule reads; `word` is the first one not read."""
+    words = [w for w in rest if w.text != tagger.TIME_GAP]
+    stopped = word or (words[-1] if words else None)
+    position = stopped.start if stopped is not None else 0
+    said = text[stopped.start : stopped.end] if stopped is not None else text.strip()
+    hints = suggestions(text, rest, lexicon)
+    if words and (asks(words) or words[0].text in _lists()["command"]):
+        if _garbled(words, lexicon):
+            return NotUnderstood(text, position, f"I could not follow at “{said}”.", hints)
+        return OutOfScope(text, position, f"{_REASON}; I could not follow at “{said}”.", hints)
+    return NotUnderstood(text, position, f"I could not follow at “{said}”.", hints)
+
+
+def _garbled(words: list[Word], lexicon: Lexicon) -> bool:
+    """Whether a question breaks off without a noun: `where is the`."""
+    return not any(is_open(w.text) for w in words[1:]) and len(words) < 5
+
+
+def _out(text: str, word: Word, reason: str, rest: list[Word], lexicon: Lexicon) -> OutOfScope:
+    return OutOfScope(text, word.start, f"{reason}.", suggestions(text, rest, lexicon))
+
+
+# -- suggestions -----------------------------------------------------------------------------------
+
+
+def suggestions(text: str, words: list[Word], lexicon: Lexicon) -> tuple[str, ...]:
+    """Return up to three questions that do parse and share words with this one."""
+    nouns = _nouns(words, lexicon)
+    if not nouns:
+        return ()
+    first = nouns[0]
+    found = [f"Where is {first}?", f"When did you last see {first}?"]
+    if len(nouns) > 1:
+        found.append(f"Did you see {first} near {nouns[1]}?")
+    else:
+        found.append(f"Did you see {first} today?")
+    return tuple(found)
+
+
+def _nouns(words: list[Word], lexicon: Lexicon) -> list[str]:
+    """Return the known nouns of the words with a determiner, as they were said."""
+    reader = tagger.NounReader(lexicon, tagger.phrases().verbs)
+    found: list[str] = []
+    i = 0
+    while i < len(words):
+        if not is_open(words[i].text):
+            i += 1
+            continue
+        parts = reader.read(words, i)
+        i = parts[-1][2]
+        attributes = [p.said for p, _, _ in parts if isinstance(p, Attribute) and p.kind != "other"]
+        noun = next((p for p, _, _ in parts if isinstance(p, Noun) and p.known), None)
+        if noun is None or noun.category == ANYTHING or noun.said in _lists()["abstract"]:
+            continue
+        k = parts[0][1] - 1
+        lead = words[k].text if k >= 0 and words[k].text in tagger.OWNERS else "the"
+        found.append(" ".join([lead, *attributes, noun.said]))
+    return list(dict.fromkeys(found))
+
+
+def spelled(query: FormalQuery) -> str:
+    """Return a plain question for a query, to tell two readings apart."""
+    named = " and ".join(phrase(term) for term in query.objects)
+    match query.ask:
+        case "where" | "when":
+            return f"{query.ask.capitalize()} did you see {named}?"
+        case "count":
+            return f"How many {named} did you see?"
+        case "what":
+            return f"Show me {named}"
+        case _:
+            return f"Did you see {named}?"
+
+
+def phrase(term: ObjectTerm) -> str:
+    """Return a noun phrase for an object term."""
+    owner = {None: "the", "me": "my", "you": "your"}.get(term.owner) or f"{term.owner}'s"
+    return " ".join([owner, *term.attributes, term.word])

@@ -1,0 +1,120 @@
+"""Finding the spoken times of a question: the only words a clock ever sees are those found here."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+from lark import Lark, Token
+from lark.exceptions import UnexpectedInput
+
+from grammar import lalr
+from grammar.closed import is_open
+from grammar.timeforms import SpokenTime, TimeForms
+from grammar.timelexer import TimeToken, tokenise
+
+_TERMINALS = (
+    "CMIN COUNT DATE DAYS DAY_AFTER DAY_BEFORE DECADE EDGE FIXED HHMM HOLIDAY HOUR MERIDIEM MINUTE "
+    "MONTH MONTH_OF NOW NTH ORD PART PARTDAY SEASON STAMP UNIT WEEKDAY WEEKEND YEAR YEAR_OF _AFTER "
+    "_AGO _AND _AROUND _BEFORE _BETWEEN _CPAST _CTO _EARLIER_THAN _FROM _HALF _LAST _LASTN "
+    "_LASTN1 _LATER_THAN _OCLOCK _SINCE _THIS _TO _UNTIL"
+).split()
+
+
+@dataclass(frozen=True, slots=True)
+class Found:
+    """A spoken time in words[first:last]."""
+
+    said: SpokenTime
+    first: int
+    last: int
+
+
+@lru_cache(maxsize=1)
+def _parser() -> Lark:
+    return lalr.parser("time.lark", tuple(_TERMINALS), TimeForms())
+
+
+def find(words: list[str]) -> list[Found]:
+    """Return the spoken times in the words, left to right, each as long as it can be."""
+    found: list[Found] = []
+    run: list[TimeToken] = []
+    for token in [*tokenise(words), None]:
+        if token is not None:
+            run.append(token)
+            continue
+        found += _in_run(run, words)
+        run = []
+    return found
+
+
+def _in_run(run: list[TimeToken], words: list[str]) -> list[Found]:
+    found: list[Found] = []
+    start = 0
+    while start < len(run):
+        hit = _longest(run, start, words)
+        if hit is None:
+            start += 1
+            continue
+        said, stop = hit
+        found.append(Found(said, run[start].first, run[stop - 1].last))
+        start = stop
+    return found
+
+
+def _longest(run: list[TimeToken], start: int, words: list[str]) -> tuple[SpokenTime, int] | None:
+    """Return the longest time that starts at `start`, and where it stops."""
+    stop = len(run)
+    while stop > start:
+        while stop > start and run[stop - 1].type == "LINK":
+            stop -= 1
+        kept = [t for t in run[start:stop] if t.type != "LINK"]
+        if not kept:
+            return None
+        said, reach = _parse(kept)
+        if said is not None and not _false_friend(run, start, stop, words):
+            return said, stop
+        bad = kept[reach] if said is None and reach < len(kept) else kept[-1]
+        stop = min(stop - 1, run.index(bad) if said is None and reach else stop - 1)
+        if said is None and reach == 0:
+            return None
+    return None
+
+
+def _parse(tokens: list[TimeToken]) -> tuple[SpokenTime | None, int]:
+    """Parse the tokens; without success, return how many of them could be read."""
+    typed = [Token(t.type, t.value, start_pos=i) for i, t in enumerate(tokens)]  # type: ignore[arg-type]
+    try:
+        return _parser().parse(typed), len(tokens)  # type: ignore[arg-type, return-value]
+    except UnexpectedInput as error:
+        token = getattr(error, "token", None)
+        position = getattr(token, "start_pos", None)
+        return None, len(tokens) if token is None or token.type == "$END" else (position or 0)
+
+
+def _false_friend(run: list[TimeToken], start: int, stop: int, words: list[str]) -> bool:
+    """Whether the words are part of a noun phrase: `the second cup`, `my sunday hat`."""
+    last = run[stop - 1]
+    following = words[last.last] if last.last < len(words) else ""
+    if not is_open(following):
+        return False
+    led = run[start].type == "LINK" and run[start].value not in ("the", "of", ",")
+    kept = [t for t in run[start:stop] if t.type != "LINK"]
+    if last.type in ("ORD", "SEASON", "HOUR", "YEAR", "MINUTE"):
+        return True
+    if len(kept) == 1 and last.type in ("WEEKDAY", "PART", "MONTH", "HOLIDAY", "WEEKEND"):
+        return not led
+    return False
+
+
+def joined(times: list[Found]) -> SpokenTime:
+    """Return the times of a question as one: they narrow each other wherever they stand."""
+    if len(times) == 1:
+        return times[0].said
+    offset = next((t.said for t in times if t.said.offset is not None), None)
+    return SpokenTime(
+        tuple(piece for t in times for piece in t.said.pieces),
+        tuple(bound for t in times for bound in t.said.bounds),
+        offset.offset if offset else None,
+        offset.offset_sign if offset else 0,
+    )

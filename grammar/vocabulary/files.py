@@ -1,0 +1,33 @@
+"""Reading of the vocabulary files: plain text, a word a line, `#` starts a comment."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+_HERE = Path(__file__).parent
+
+
+def lines(name: str) -> Iterator[str]:
+    """Yield the lines of the vocabulary file `name` that say something."""
+    for line in (_HERE / name).read_text(encoding="utf-8").splitlines():
+        said = line.strip()
+        if said and not said.startswith("#"):
+            yield said
+
+
+def split(text: str, mark: str = ",") -> tuple[str, ...]:
+    """Split a list of phrases at `mark`, spaces trimmed, empty ones left out."""
+    return tuple(part.strip() for part in text.split(mark) if part.strip())
+
+
+def sections(name: str) -> dict[str, list[str]]:
+    """Return the lines of a file with `[section]` headings, by heading."""
+    found: dict[str, list[str]] = {}
+    current: list[str] = []
+    for line in lines(name):
+        if line.startswith("["):
+            current = found.setdefault(line.strip("[]"), [])
+        else:
+            current.append(line)
+    return found

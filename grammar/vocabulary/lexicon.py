@@ -1,0 +1,184 @@
+"""The lexicon: nouns with synonyms and broader words, attributes, places, relations, names."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from functools import lru_cache
+
+from grammar.forms import ANYTHING, RelationKind
+from grammar.vocabulary import files, inflection
+
+THINGS = frozenset(
+    ("thing", "anything", "something", "everything", "stuff", "object", "item", "belonging")
+)
+
+
+@dataclass(frozen=True)
+class StoreWords:
+    """A store's own words, handed in as arguments: its categories, taught names and regions.
+
+    names: (word, owner or None) of taught things. places: names of the home's regions.
+    """
+
+    categories: tuple[str, ...] | frozenset[str] = ()
+    names: tuple[tuple[str, str | None], ...] = ()
+    places: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Lexicon:
+    """All words the parser knows, of the vocabulary files and of one store.
+
+    nouns: singular noun -> category. broader: category -> wider words. attributes: word -> kind.
+    places: phrase -> place. relations: phrase -> kind. compounds: nouns of two words and more.
+    """
+
+    nouns: dict[str, str]
+    broader: dict[str, tuple[str, ...]]
+    plurals: dict[str, str]
+    attributes: dict[str, str]
+    shades: frozenset[str]
+    patterns: dict[str, str]
+    parts: frozenset[str]
+    places: dict[str, str]
+    relations: dict[str, RelationKind]
+    names: frozenset[str]
+    glued: dict[str, str] = field(repr=False)
+    heads: frozenset[str] = field(repr=False)
+
+    def singular(self, noun: str) -> str:
+        """Return the singular of a noun, lower case."""
+        return inflection.singular(noun, self.plurals)
+
+    def known_noun(self, noun: str) -> str | None:
+        """Return the singular of `noun` when the lexicon knows it, else None."""
+        if noun in self.nouns:
+            return noun
+        one = self.singular(noun)
+        if one in self.nouns or one in THINGS:
+            return one
+        return None
+
+    def canonical(self, noun: str) -> str:
+        """Return the category of a noun as said: after plural, synonyms and detector spelling.
+
+        An unknown noun is its own category; a compound of a known head keeps its words.
+        """
+        if noun in self.nouns:
+            return self.nouns[noun]
+        one = self.singular(noun.lower().strip())
+        if one in THINGS:
+            return ANYTHING
+        return self.nouns.get(one) or self.nouns.get(self.glued.get(one, one)) or one
+
+    def wider(self, category: str) -> tuple[str, ...]:
+        """Return the words that take in `category` and more, nearest first.
+
+        A compound that the files do not list is a kind of its last word: `fruit bowl`, `bowl`.
+        """
+        if category in self.broader:
+            return self.broader[category]
+        _, _, head = category.rpartition(" ")
+        if head and head != category:
+            general = self.canonical(head)
+            return (general, *self.broader.get(general, ()))
+        return ()
+
+    def narrower(self, category: str) -> tuple[str, ...]:
+        """Return the listed categories that `category` takes in, in file order."""
+        return tuple(name for name, wide in self.broader.items() if category in wide)
+
+    def synonyms(self, category: str) -> tuple[str, ...]:
+        """Return the other words for `category`, in file order."""
+        return tuple(w for w, c in self.nouns.items() if c == category and w != category)
+
+
+def _noun_lines() -> Iterable[tuple[str, tuple[str, ...], tuple[str, ...]]]:
+    for line in files.lines("nouns.txt"):
+        left, _, wide = line.partition(">")
+        category, _, said = left.partition("=")
+        yield category.strip(), files.split(said), files.split(wide)
+
+
+def _plural_exceptions() -> dict[str, str]:
+    found: dict[str, str] = {}
+    for line in files.lines("plurals.txt"):
+        many, _, one = line.partition("=")
+        found[many.strip()] = one.strip() or many.strip()
+    return found
+
+
+def _attribute_files() -> tuple[dict[str, str], frozenset[str], dict[str, str], frozenset[str]]:
+    parts = files.sections("attributes.txt")
+    kinds = {
+        word: kind
+        for kind in ("other", "size", "shape", "pattern", "material", "colour")
+        for line in parts[kind]
+        for word in line.split()
+    }
+    shades = frozenset(word for line in parts["shade"] for word in line.split())
+    patterns = {
+        said.strip(): word.strip()
+        for said, _, word in (line.partition("=") for line in parts["pattern noun"])
+    }
+    pieces = frozenset(word for line in parts["part"] for word in line.split())
+    return kinds, shades, patterns, pieces
+
+
+def _places(own: Iterable[str]) -> dict[str, str]:
+    found: dict[str, str] = {}
+    for line in files.lines("places.txt"):
+        place, _, said = line.partition("=")
+        place = place.strip()
+        found[place] = place
+        found.update(dict.fromkeys(files.split(said), place))
+    found.update({name.lower(): name.lower() for name in own})
+    return found
+
+
+def _relations() -> dict[str, RelationKind]:
+    found: dict[str, RelationKind] = {}
+    for line in files.lines("relations.txt"):
+        kind, _, said = line.partition(":")
+        for phrase in files.split(said):
+            found[phrase] = kind.strip()  # type: ignore[assignment]  # a test checks the kinds
+    return found
+
+
+@lru_cache(maxsize=16)
+def lexicon(words: StoreWords = StoreWords()) -> Lexicon:  # noqa: B008  # frozen and empty
+    """Return the lexicon with a store's words added; one object for equal words."""
+    plurals = _plural_exceptions()
+    nouns: dict[str, str] = {}
+    broader: dict[str, tuple[str, ...]] = {}
+    for category, said, wide in _noun_lines():
+        nouns[category] = category
+        broader[category] = wide
+        for word in said:
+            nouns.setdefault(word, category)
+    for category, said, _ in _noun_lines():
+        nouns[category] = category  # a category is never another one's synonym
+        for word in said:
+            nouns.setdefault(inflection.singular(word, plurals), category)
+    glued = {noun.replace(" ", ""): noun for noun in nouns if " " in noun}
+    for name in [*words.categories, *(word for word, _ in words.names)]:
+        one = inflection.singular(name.lower(), plurals)
+        nouns.setdefault(one, nouns.get(glued.get(one, one), one))
+    kinds, shades, patterns, parts = _attribute_files()
+    names = {name for line in files.lines("names.txt") for name in line.split()}
+    names |= {owner.lower() for _, owner in words.names if owner and owner not in ("me", "you")}
+    return Lexicon(
+        nouns=nouns,
+        broader=broader,
+        plurals=plurals,
+        attributes=kinds,
+        shades=shades,
+        patterns=patterns,
+        parts=parts,
+        places=_places(words.places),
+        relations=_relations(),
+        names=frozenset(names),
+        glued=glued,
+        heads=frozenset(noun.rpartition(" ")[2] for noun in nouns),
+    )

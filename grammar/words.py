@@ -1,0 +1,121 @@
+"""A question as words with their offsets: the first stage, before any meaning."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, replace
+
+MAX_CHARACTERS = 600
+"""A longer text is refused unread: no spoken question is so long."""
+MAX_WORDS = 60
+"""A question of more words is refused: what the parser does is bounded by this."""
+
+_WORD = re.compile(
+    r"\d{4}-\d{1,2}-\d{1,2}(?:[tT]\d{1,2}:\d{2}(?::\d{2})?)?"  # ISO date, with or without a time
+    r"|\d{1,2}[-/.]\d{1,2}[-/.](?:\d{4}|\d{2})(?![\d:])"  # 10/16/2016
+    r"|\d{1,2}-[a-zA-Z]{3,9}-\d{2,4}"  # 05-aug-2016
+    r"|\d{1,2}/\d{1,2}(?![\d/])"  # 5/15
+    r"|\d{1,2}[:.]\d{2}(?::\d{2})?(?!\d)"  # 12:30
+    r"|\d+(?:st|nd|rd|th)\b"
+    r"|\d+(?:\.\d+)?"
+    r"|[ap]\.\s?m\b\.?"  # a.m.
+    r"|[^\W\d_]+(?:['\u2019\-][^\W\d_]+)*['\u2019]?"
+    r"|[?!.,;:&]|-"
+)
+_CONTRACTIONS = {
+    "n't": "not",
+    "'re": "are",
+    "'ve": "have",
+    "'ll": "will",
+    "'d": "did",
+    "'m": "am",
+}
+_IS_AFTER = frozenset(
+    "where what who when how that there it here he she this everything something anything which "
+    "why whereabouts".split()
+)
+_WITHOUT_APOSTROPHE = {
+    "wheres": ("where", "is"),
+    "whats": ("what", "is"),
+    "whos": ("who", "is"),
+    "whens": ("when", "is"),
+    "thats": ("that", "is"),
+    "theres": ("there", "is"),
+    "hows": ("how", "is"),
+    "isnt": ("is", "not"),
+    "arent": ("are", "not"),
+    "wasnt": ("was", "not"),
+    "werent": ("were", "not"),
+    "didnt": ("did", "not"),
+    "doesnt": ("does", "not"),
+    "dont": ("do", "not"),
+    "havent": ("have", "not"),
+    "hasnt": ("has", "not"),
+    "cant": ("can", "not"),
+    "cannot": ("can", "not"),
+    "couldnt": ("could", "not"),
+    "im": ("i", "am"),
+    "ive": ("i", "have"),
+    "youve": ("you", "have"),
+    "wheres's": ("where", "is"),
+    "whered": ("where", "did"),
+    "whatre": ("what", "are"),
+    "wherere": ("where", "are"),
+    "gonna": ("going", "to"),
+    "wanna": ("want", "to"),
+    "lemme": ("let", "me"),
+    "gimme": ("give", "me"),
+    "d'you": ("do", "you"),
+    "didja": ("did", "you"),
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Word:
+    """A word in lower case with its place in the text: text[start:end] is what was said.
+
+    capital: said with a capital letter. A removed time leaves one word `TIME_GAP` behind.
+    """
+
+    text: str
+    start: int
+    end: int
+    capital: bool = False
+
+
+def split(text: str) -> list[Word]:
+    """Return the words and the marks of `text`, lower case, contractions taken apart."""
+    found: list[Word] = []
+    for match in _WORD.finditer(text):
+        said = match.group().replace("\u2019", "'")
+        word = Word(said.lower(), match.start(), match.end(), said[:1].isupper())
+        found += _apart(word)
+    return found
+
+
+def _apart(word: Word) -> list[Word]:
+    """Take a contraction apart: `where's` is `where is`, `isn't` is `is not`."""
+    text = word.text
+    if text in _WITHOUT_APOSTROPHE:
+        return [replace(word, text=part) for part in _WITHOUT_APOSTROPHE[text]]
+    if "'" not in text:
+        return [word]
+    if text == "can't":
+        return [replace(word, text="can"), replace(word, text="not")]
+    if text == "won't":
+        return [replace(word, text="will"), replace(word, text="not")]
+    stem, _, ending = text.rpartition("'")
+    if ending == "s" and stem in _IS_AFTER:
+        return [replace(word, text=stem), replace(word, text="is")]
+    if ending == "s" and stem == "let":
+        return [replace(word, text="let"), replace(word, text="us")]
+    for tail, full in _CONTRACTIONS.items():
+        if text.endswith(tail) and len(text) > len(tail):
+            return [replace(word, text=text[: -len(tail)]), replace(word, text=full)]
+    if text == "o'clock":
+        return [word]
+    if ending == "" and stem:
+        return (
+            [replace(word, text=stem + "'s")] if stem.endswith("s") else [replace(word, text=stem)]
+        )
+    return [word]
