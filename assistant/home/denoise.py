@@ -15,6 +15,7 @@ from assistant.home.meshes import Floats
 
 PASSES = 4
 RANGE = 0.5  # relative difference of brightness that is still taken for grain, in the first pass
+DARK = 0.02  # difference of brightness that is grain however dark the paint
 NEIGHBOURS = tuple((y, x) for y in (-1, 0, 1) for x in (-1, 0, 1) if (y, x) != (0, 0))
 
 
@@ -66,7 +67,7 @@ def _pass(
     weight = np.ones(image.shape[:2])
     for rank, (a, b, c, d) in _pairs(image, step):
         apart = ((guide[a, b] - guide[c, d]) ** 2).sum(axis=-1) / 0.03
-        scale = tolerance * 0.5 * (grey[a, b] + grey[c, d]) + 1e-4
+        scale = tolerance * 0.5 * (grey[a, b] + grey[c, d]) + DARK
         unlike = ((grey[a, b] - grey[c, d]) / scale) ** 2
         share = np.exp(-apart - unlike) * (0.5 if rank == 1 else 0.25)
         share *= inner[a, b] & inner[c, d]

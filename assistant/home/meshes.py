@@ -184,10 +184,22 @@ def ring(radius: float, thickness: float, *, steps: int = 28) -> Mesh:
     return tube(circle, thickness, closed=True).moved(z=thickness)
 
 
+def _angles(start: float, octants: int, roundness: float) -> Floats:
+    """Return 4 steps an octant from `start` degrees, in radians, closer at the corners.
+
+    The corners are the odd multiples of 45 degrees; the rounder the body, the more even the steps.
+    """
+    rise = np.linspace(0, 1, 5)[1:] ** (1 + 2 * (1 - roundness))
+    to_corner = 1 - np.append(rise[-2::-1], 0.0)
+    steps = [to_corner if octant % 2 == 0 else rise for octant in range(octants)]
+    degrees = np.concatenate([octant + step for octant, step in enumerate(steps)]) * 45 + start
+    return np.asarray(np.radians(np.append(float(start), degrees)))
+
+
 def body(width: float, depth: float, height: float, *, roundness: float = 1.0) -> Mesh:
     """Return a superellipsoid: an ellipsoid at roundness 1, a box with soft edges near 0."""
-    up = np.linspace(-np.pi / 2, np.pi / 2, 17)[:, None]
-    around = np.linspace(0, 2 * np.pi, 32, endpoint=False)[None, :]
+    up = _angles(-90, 4, roundness)[:, None]
+    around = _angles(0, 8, roundness)[None, :-1]
 
     def reach(angle: Floats) -> Floats:
         # Even angles: the usual powers of sine and cosine crowd the points at small roundness

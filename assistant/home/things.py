@@ -204,7 +204,7 @@ def scissors() -> Model:
     handles = []
     for side, lift in ((-1, 0.0), (1, 0.005)):
         blade = box(0.017, 0.15, 0.004).moved(x=side * 0.004, y=0.075)
-        shank = tube([[0, 0, 0], [0, -0.05, 0]], 0.007).moved(z=0.004)
+        shank = tube([[0.0, 0.0, 0.0], [0.0, -0.05, 0.0]], 0.007).moved(z=0.004)
         loop = ring(0.026, 0.0085).scaled(1, 1.35, 1).moved(x=-side * 0.014, y=-0.082)
         blades.append(blade.turned(z=side * 13).moved(z=lift + 0.003))
         handles += [bar.turned(z=side * 20).moved(z=lift) for bar in (shank, loop)]
