@@ -28,7 +28,9 @@ def open_store(uri: str, *, create: bool = True, read_only: bool = False) -> Sto
             raise StoreError(f"{uri}: a file is sqlite:///relative.db or sqlite:////absolute.db")
         return open_sqlite(_path(rest[1:]), create=create, read_only=read_only)
     if scheme in {"mongodb", "mongodb+srv"}:
-        from d3a.store.mongo import open_mongo  # pymongo costs 0.2 s, which a file need not pay
+        from d3a.store.mongo_server import (
+            open_mongo,
+        )  # pymongo costs 0.2 s, which a file need not pay
 
         return open_mongo(uri, mask(uri), create=create, read_only=read_only)
     raise StoreError(

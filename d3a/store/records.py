@@ -14,6 +14,7 @@ import numpy as np
 
 from d3a.model import Json
 from d3a.store.base import (
+    Batch,
     Encounter,
     Keyframe,
     ObjectRecord,
@@ -70,6 +71,31 @@ def from_json(value: Json) -> Record:
         if given["embedding"] is not None:
             given["embedding"] = embedding_from_bytes(base64.b64decode(given["embedding"]))
     return record_type(**given)
+
+
+_REMOVALS = (
+    "removed_objects",
+    "removed_stays",
+    "removed_sightings",
+    "removed_encounters",
+    "removed_regions",
+)
+
+
+def batch_to_json(batch: Batch) -> Json:
+    """Return a batch as JSON, without its pictures and its checkpoint."""
+    put = [to_json(r) for name in BATCH_FIELDS.values() for r in getattr(batch, name)]
+    removed = {name: _plain(getattr(batch, name)) for name in _REMOVALS}
+    return {"put": put, **removed, "meta": dict(batch.meta)}
+
+
+def batch_from_json(value: Json) -> Batch:
+    """Return the batch that `batch_to_json` wrote."""
+    put: dict[str, Any] = {name: [] for name in BATCH_FIELDS.values()}
+    for record in value["put"]:
+        put[BATCH_FIELDS[record["kind"]]].append(from_json(record))
+    removed: dict[str, Any] = {name: _frozen(value[name]) for name in _REMOVALS}
+    return Batch(**put, **removed, meta=value["meta"])
 
 
 def embedding_bytes(embedding: np.ndarray[Any, np.dtype[np.float32]]) -> bytes:

@@ -14,7 +14,7 @@ from tests.worlds.oracle import OracleStore
 
 MakeStore = Callable[[], Store]
 SETTINGS = settings(
-    max_examples=20,
+    max_examples=12,
     deadline=None,
     suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
 )
