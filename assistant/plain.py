@@ -14,6 +14,7 @@ from assistant.terminal import clean, clean_lines
 from assistant.wording import keyframe_row, more_words
 from d3a.answer import Answer
 from d3a.store.base import StoreError
+from grammar.errors import QuestionError
 
 HELP = """Type a question, and Enter. Also:
   1, 2, 3 ...   more of that answer's keyframe
@@ -97,7 +98,7 @@ class PlainChat:
             return
         try:
             explanation = self._session.explain(self._answer.text)
-        except StoreError as error:
+        except (QuestionError, StoreError) as error:
             explanation = str(error)
         self._say(clean_lines(explanation))
 

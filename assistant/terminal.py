@@ -76,6 +76,8 @@ def why_not_full_screen(environ: Mapping[str, str] = os.environ) -> str | None:
         return "this is not a terminal"
     if environ.get("TERM", "") in ("", "dumb", "unknown"):
         return f"the terminal is {environ.get('TERM') or 'not named'} (TERM)"
+    if not speaks_unicode(sys.stderr):
+        return f"the terminal takes {sys.stderr.encoding}, which has no box characters"
     return None
 
 

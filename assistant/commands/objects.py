@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from datetime import UTC, datetime, timedelta, tzinfo
 from typing import TYPE_CHECKING
 
@@ -50,13 +50,40 @@ def object_records(store: Store, categories: tuple[str, ...], zone: tzinfo) -> I
     for stay in store.stays():
         stays.setdefault(stay.object_id, []).append(stay)
     chosen = store.objects(categories=categories or None)
-    for record in sorted(chosen, key=lambda o: (o.category, -o.weight, o.object_id)):
-        yield _record(record, stays.get(record.object_id, []), zone)
+    chosen.sort(key=lambda o: (o.category, -o.weight, o.object_id))
+    colours = colour_words(store, chosen)
+    for thing in chosen:
+        words = colours.get(thing.object_id, [])
+        yield _record(thing, stays.get(thing.object_id, []), words, zone)
 
 
-def _record(thing: ObjectRecord, stays: list[StayRecord], zone: tzinfo) -> Json:
-    from d3a.colours import colour_words
+def colour_words(store: Store, things: Sequence[ObjectRecord]) -> dict[str, list[str]]:
+    """Return, by object id, the basic colour terms that its histogram bears out, likeliest first.
 
+    At most two; none for an object without a histogram. As in answers, each term is weighed
+    against the other ten and the surroundings of all objects of the store.
+    """
+    import numpy as np
+
+    from d3a.colours import BASIC, HISTOGRAM_SIZE, Palette, judge
+
+    _, everything = store.embeddings()
+    seen = [t for t in things if t.embedding is not None and len(t.embedding) == HISTOGRAM_SIZE]
+    if not seen or everything.shape[1] != HISTOGRAM_SIZE:
+        return {}
+    palette = Palette.of(everything)
+    histograms = np.stack([t.embedding for t in seen if t.embedding is not None])
+    verdicts = [judge([term], histograms, palette) for term in BASIC]
+    probability = np.stack([verdict.probability for verdict in verdicts], axis=1)
+    tenable = np.stack([verdict.tenable for verdict in verdicts], axis=1)
+    order = np.argsort(-probability, axis=1, kind="stable")[:, :2]
+    return {
+        thing.object_id: [BASIC[i] for i in order[row] if tenable[row, i]]
+        for row, thing in enumerate(seen)
+    }
+
+
+def _record(thing: ObjectRecord, stays: list[StayRecord], colours: list[str], zone: tzinfo) -> Json:
     def when(milliseconds: int) -> str:
         moment = datetime(1970, 1, 1, tzinfo=UTC) + timedelta(milliseconds=milliseconds)
         return moment.astimezone(zone).isoformat(timespec="seconds")
@@ -67,7 +94,7 @@ def _record(thing: ObjectRecord, stays: list[StayRecord], zone: tzinfo) -> Json:
         "category": thing.category,
         "categories": {name: round(weight, 3) for name, weight in thing.categories},
         "names": [{"word": name.word, "owner": name.owner} for name in thing.names],
-        "colours": [] if thing.embedding is None else list(colour_words(thing.embedding)),
+        "colours": colours,
         "weight": round(thing.weight, 3),
         "tentative": thing.tentative,
         "places": [

@@ -62,7 +62,8 @@ SEEN = (
 
 def fill(store: Store, *, site: str = "lab") -> None:
     """Put the home into a store."""
-    stays, sightings, objects = [], [], {}
+    stays, sightings = [], []
+    objects: dict[str, ObjectRecord] = {}
     for place, (thing, category, x, y, hours, picture) in enumerate(SEEN):
         at = ms(NOW - timedelta(hours=hours))
         stays.append(StayRecord(thing, place, (x, y, 0.8), at, at, 1.0, site=site))

@@ -1,0 +1,159 @@
+"""The chat in a real terminal (tmux): typing, accepting, resizing, leaving; and what it sends."""
+
+from __future__ import annotations
+
+import os
+import pty
+import select
+import shutil
+import subprocess
+import sys
+import time
+import uuid
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+PROGRAM = """
+from tests.worlds import small_home
+from tests.worlds.oracle import OracleStore
+from assistant.ui.app import ChatApp
+store = OracleStore()
+small_home.fill(store)
+ChatApp(small_home.session(store)).run()
+print("left the chat")
+"""
+
+
+class Terminal:
+    """A tmux session of its own server, running the chat over the fixed home."""
+
+    def __init__(self, columns: int, rows: int) -> None:
+        self._socket = f"d3a-{uuid.uuid4().hex[:8]}"
+        size = ("-x", str(columns), "-y", str(rows))
+        environment = {**os.environ, "TERM": "xterm-256color", "LC_ALL": "C.UTF-8"}
+        self._call("-f", os.devnull, "new-session", "-d", *size, "sh", environment=environment)
+
+    def _call(self, *args: str, environment: dict[str, str] | None = None) -> str:
+        command = ["tmux", "-L", self._socket, *args]
+        done = subprocess.run(
+            command, capture_output=True, text=True, check=True, env=environment, timeout=20
+        )
+        return done.stdout
+
+    def send(self, *keys: str, literal: bool = False) -> None:
+        self._call("send-keys", *(["-l"] if literal else []), *keys)
+
+    def resize(self, columns: int, rows: int) -> None:
+        self._call("resize-window", "-x", str(columns), "-y", str(rows))
+
+    def screen(self) -> str:
+        return self._call("capture-pane", "-p")
+
+    def until(self, condition: Callable[[str], bool], seconds: float = 20.0) -> str:
+        deadline = time.monotonic() + seconds
+        while time.monotonic() < deadline:
+            screen = self.screen()
+            if condition(screen):
+                return screen
+            time.sleep(0.1)
+        raise AssertionError(f"never came true; the screen says:\n{self.screen()}")
+
+    def close(self) -> None:
+        subprocess.run(["tmux", "-L", self._socket, "kill-server"], check=False, timeout=20)
+
+
+@pytest.fixture
+def terminal() -> Iterator[Terminal]:
+    if shutil.which("tmux") is None:
+        pytest.skip("tmux is not installed")
+    opened = Terminal(80, 24)
+    yield opened
+    opened.close()
+
+
+def test_a_conversation_in_tmux(terminal: Terminal, tmp_path: Path) -> None:
+    program = tmp_path / "chat.py"
+    program.write_text(PROGRAM)
+    start = f"cd '{ROOT}' && PYTHONPATH=. '{sys.executable}' '{program}'"
+    terminal.send(start, literal=True)
+    terminal.send("Enter")
+    terminal.until(lambda screen: "Where are the keys?" in screen)
+
+    terminal.send("did you see the bo", literal=True)
+    terminal.until(lambda screen: "did you see the bowl" in screen)  # the grey suggestion
+    terminal.send("Right")
+    terminal.send("Enter")
+    screen = terminal.until(lambda screen: "You: did you see the bowl" in screen)
+    screen = terminal.until(lambda screen: "┏" in screen)  # the box in the picture
+    assert "On the kitchen table." in screen
+    assert ">  1  9:42 today" in screen
+    assert "kitchen" in screen
+    assert "1 best" in screen
+    lines = screen.splitlines()
+    assert len(lines) == 24
+    assert lines[22].strip().startswith("Ask:")
+    assert "f1 Help" in lines[23]
+    assert "^q Quit" in lines[23]
+
+    terminal.resize(160, 50)
+    screen = terminal.until(lambda screen: "Around the box" in screen)
+    assert "whole picture" in screen
+    assert "now 19:00" in screen  # the timeline
+    terminal.resize(50, 12)
+    screen = terminal.until(lambda screen: "Around the box" not in screen)
+    terminal.until(lambda screen: "┏" not in screen and "9:42 today" in screen)
+    terminal.resize(30, 8)
+    terminal.until(lambda screen: "make the window larger" in screen)
+    terminal.resize(80, 24)
+    terminal.until(lambda screen: "┏" in screen)
+
+    terminal.send("C-q")
+    terminal.until(lambda screen: "left the chat" in screen)
+
+
+def test_an_idle_chat_sends_nothing(tmp_path: Path) -> None:
+    """Neither a blinking cursor nor a clock may cost bytes on a slow line."""
+    master, slave = pty.openpty()
+    environment = {**os.environ, "TERM": "xterm-256color", "PYTHONPATH": str(ROOT)}
+    environment |= {"COLUMNS": "80", "LINES": "24"}
+    program = tmp_path / "chat.py"
+    program.write_text(PROGRAM)
+    with subprocess.Popen(
+        [sys.executable, str(program)],
+        cwd=ROOT,
+        env=environment,
+        stdin=slave,
+        stdout=slave,
+        stderr=slave,
+        start_new_session=True,
+    ) as process:
+        os.close(slave)
+        try:
+            assert _read(master, quiet_s=1.0, limit_s=20) > 1000  # the first screen
+            os.write(master, b"where are my keys\r")
+            assert _read(master, quiet_s=1.0, limit_s=20) > 1000  # answer and picture
+            assert _read(master, quiet_s=2.0, limit_s=2.0) == 0
+            os.write(master, b"\x11")
+            _read(master, quiet_s=1.0, limit_s=10)
+            assert process.wait(timeout=20) == 0
+        finally:
+            process.kill()
+            os.close(master)
+
+
+def _read(master: int, *, quiet_s: float, limit_s: float) -> int:
+    """Count the bytes that come until it has been quiet for so long."""
+    count = 0
+    deadline = time.monotonic() + limit_s
+    while time.monotonic() < deadline:
+        ready, _, _ = select.select([master], [], [], quiet_s)
+        if not ready:
+            return count
+        try:
+            count += len(os.read(master, 1 << 16))
+        except OSError:  # the other end was closed
+            return count
+    return count
