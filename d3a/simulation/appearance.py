@@ -94,7 +94,7 @@ def dress(categories: list[str], rng: np.random.Generator) -> tuple[list[str], L
     jitter = rng.normal(0, 9, size=(n, 3))
     paints = list(PAINTS)
     accents = [paints[i] for i in rng.integers(len(paints), size=n)]
-    shares = rng.dirichlet((7.0, 1.3, 5.5), size=n)
+    shares = rng.dirichlet((9.0, 1.3, 3.0), size=n)
     return words, Looks(
         main=np.clip(np.array([PAINTS[w] for w in words]) + jitter, 8, 247),
         accent=np.array([PAINTS[a] for a in accents], dtype=float),
@@ -120,7 +120,7 @@ def mixtures(
     colours = np.stack(
         [looks.main[thing], looks.accent[thing], looks.common[thing], shade, behind], axis=1
     )
-    dark = np.full((len(thing), 1), 0.38)  # hollows, undersides and cast shadows
+    dark = np.full((len(thing), 1), 0.28)  # hollows, undersides and cast shadows
     front = np.concatenate([shares * (1 - dark), dark], axis=1) * cover[:, None]
     return colours, np.concatenate([front, 1 - cover[:, None]], axis=1)
 

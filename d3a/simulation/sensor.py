@@ -296,7 +296,7 @@ def _behind(
     )
     cell = ((exposures.solid[found, :2] + exposures.solid[found, 3:5]) / 2 // 1.5).astype(int)
     sector = ((bearing + np.pi) / (np.pi / 3)).astype(int) % 6
-    usual = rng.dirichlet((0.35,) * len(materials))  # a home has a style
+    usual = rng.dirichlet((0.3,) * len(materials))  # a home has a style
     under = rng.choice(len(materials), p=usual, size=(8, 10))[cell[:, 0] % 8, cell[:, 1] % 10]
     wall = rng.choice(len(materials), p=usual, size=(8, 10, 6))
     wall = wall[cell[:, 0] % 8, cell[:, 1] % 10, sector]
@@ -318,7 +318,7 @@ def _histograms(
     free = exposures.shown[found].mean(axis=1)
     behind = _behind(exposures, found, bearing, condition.colour, rng)
     spread = 0.08 * condition.colour * rng.normal(size=len(found))
-    cover = np.clip(0.30 + 0.40 * free + spread, 0.15, 0.9)
+    cover = np.clip(0.34 + 0.40 * free + spread, 0.15, 0.9)
     colours, shares = appearance.mixtures(world.looks, thing, bearing, cover, behind)
     gain = _light(track, frame, condition.colour, rng)
     return appearance.histograms(colours, shares, gain, _areas(box), rng)

@@ -50,7 +50,7 @@ def test_world_looks_like_the_lab(world: Path) -> None:
     same, other = (found["cosines"]["raw"][k] for k in ("same_object", "other_same_category"))
     assert same[0] == pytest.approx(0.25, abs=0.12)
     assert same[1] == pytest.approx(0.65, abs=0.08)
-    assert other[1] == pytest.approx(0.6, abs=0.1)
+    assert 0.3 < other[1] < same[1] - 0.1
     assert found["false_positives"] == pytest.approx(0.04, abs=0.01)
     assert found["confused"] == pytest.approx(0.08, abs=0.02)
     x, y, z = found["position_error_m"]
