@@ -7,6 +7,7 @@ not"; each part says nothing (0) where its input is missing, and none can outvot
 from __future__ import annotations
 
 import math
+from bisect import bisect
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -33,12 +34,6 @@ def position_ratio(squared: Floats, determinant: Floats, parameters: Parameters)
     return np.asarray(tail + np.maximum(0.0, np.log(parameters.space_m3 / volume)))
 
 
-def look_ratio(similarity: Floats, parameters: Parameters) -> Floats:
-    """Return the evidence of look from cosines of features, clipped at both ends."""
-    raw = parameters.look_slope * (similarity - parameters.look_even)
-    return np.clip(raw, parameters.look_least, parameters.look_most)
-
-
 def feature(embedding: NDArray[np.float32], is_histogram: bool) -> Features:
     """Return the vector (d,), unit length, whose dot product is the likeness of two looks.
 
@@ -57,6 +52,49 @@ def embedding_of(look: Features, is_histogram: bool) -> NDArray[np.float32]:
     values = np.square(look, dtype=np.float64) if is_histogram else look.astype(np.float64)
     length = float(np.sqrt(np.sum(values**2)))
     return (values / length if length > 0 else values).astype(np.float32)
+
+
+LOOK_BINS = (1.5, 4.0, 12.0)
+"""Views in a mean look, at which it counts as another kind: a mean is more like its views than
+they are like each other."""
+SAME, OTHER = 0, 1
+
+
+class LookModel:
+    """How alike views of one thing are, and views of others: learned while the robot looks.
+
+    Light, lens and embedding decide that, so no fixed threshold serves two recordings. Other
+    things: those recognised in the same frame, of the same category. The same thing: what place
+    and category alone have recognised. Both are normal with one variance, so the evidence is a
+    straight line; assumed values count as much as `look_prior` views.
+    """
+
+    def __init__(self, parameters: Parameters) -> None:
+        self._parameters = parameters
+        # (bins, SAME | OTHER, count | mean | summed squared deviations)
+        self.sums = np.zeros((len(LOOK_BINS) + 1, 2, 3))
+        mean = (parameters.look_same, parameters.look_other)
+        self.sums[:, :, 0] = parameters.look_prior
+        self.sums[:, :, 1] = mean
+        self.sums[:, :, 2] = parameters.look_prior * parameters.look_sigma**2
+
+    def add(self, kind: int, likeness: float, views: float) -> None:
+        """Learn from a pair; views: of the mean look. kind: SAME or OTHER."""
+        row = self.sums[bisect(LOOK_BINS, views), kind]
+        row[0] += 1.0
+        delta = likeness - row[1]
+        row[1] += delta / row[0]
+        row[2] += delta * (likeness - row[1])
+
+    def ratios(self, likeness: Floats, views: Floats) -> Floats:
+        """Return the evidence (n, m) of cosines (n, m) with looks of so many views (m,)."""
+        bins = np.searchsorted(LOOK_BINS, views, side="right")
+        means = self.sums[:, :, 1]
+        variance = self.sums[:, :, 2].sum(axis=1) / self.sums[:, :, 0].sum(axis=1)
+        slope = np.maximum(means[:, SAME] - means[:, OTHER], 0.0) / np.maximum(variance, 1e-4)
+        even = means.mean(axis=1)
+        raw = slope[bins] * (likeness - even[bins])
+        return np.clip(raw, self._parameters.look_least, self._parameters.look_most)
 
 
 @dataclass(slots=True)

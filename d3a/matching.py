@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from d3a import likelihood
 from d3a.geometry import pose_covariance
-from d3a.likelihood import CategoryModel
+from d3a.likelihood import OTHER, SAME, CategoryModel, LookModel
 from d3a.memory import Known, Memory, Place
 from d3a.model import Json, Pose
 from d3a.parameters import Parameters
@@ -130,6 +130,7 @@ class Matcher:
         self._memory = memory
         self._categories = categories
         self._parameters = parameters
+        self.looks = LookModel(parameters)
         self.offset = FrameOffset.unknown(parameters)
 
     def match(self, observed: Observed, time_ms: int, pose: Pose | None) -> list[Match]:
@@ -139,19 +140,23 @@ class Matcher:
         things = self._candidates(observed, rows)
         if not things:
             return [None] * len(observed.things)
-        other = self._look_and_category(observed, things)
-        taken, at = self._assign(observed, things, rows, other)
+        look, likeness = self._look(observed, things)
+        category = self._category(observed, things)
+        place, at = self._place(observed, things, rows)
+        new = self._parameters.new_thing_odds
+        taken = likelihood.assign(place + category + look, new)
         if self._align(observed, things, taken, at):
-            taken, at = self._assign(observed, things, rows, other)
-        result: list[Match] = []
-        for i, column in enumerate(taken):
-            if column < 0:
-                result.append(None)
-            else:
-                row = at[i, column]
-                place = self._memory.positions.owners[row][1] if row >= 0 else None
-                result.append((things[column], place))
-        return result
+            place, at = self._place(observed, things, rows)
+            taken = likelihood.assign(place + category + look, new)
+        if likeness is not None:
+            self._learn(things, taken, place + category, likeness)
+        owners = self._memory.positions.owners
+        return [
+            None
+            if column < 0
+            else (things[column], owners[at[i, column]][1] if at[i, column] >= 0 else None)
+            for i, column in enumerate(taken)
+        ]
 
     def _gate(self, observed: Observed) -> NDArray[np.intp]:
         """Return the rows of places that any detection may be at, by thing and place."""
@@ -179,33 +184,30 @@ class Matcher:
         found |= {thing.number for thing in self._memory.placeless()}
         return [self._memory.things[number] for number in sorted(found)]
 
-    def _look_and_category(self, observed: Observed, things: list[Known]) -> Floats:
-        """Return the evidence that is not of place, (n, m)."""
-        named = [[vote[0] for vote in thing.votes] for thing in observed.things]
+    def _category(self, observed: Observed, things: list[Known]) -> Floats:
+        """Return the evidence of category, (n, m); of a thing named twice one name may agree."""
         votes = [thing.votes for thing in things]
-        evidence = np.zeros((len(named), len(things)))
-        for i, names in enumerate(named):  # a thing named twice agrees if one name does
-            evidence[i] = self._categories.ratios(names, votes).max(axis=0)
-        if observed.looks.shape[1]:
-            looks = self._memory.looks.rows(things)
-            if looks.shape[1]:
-                likeness = (observed.looks @ looks.T).astype(np.float64)
-                known = observed.looks.any(axis=1)[:, None] & looks.any(axis=1)[None]
-                ratio = likelihood.look_ratio(likeness, self._parameters)
-                evidence += np.where(known, ratio, 0.0)
-        return evidence
+        named = [[vote[0] for vote in thing.votes] for thing in observed.things]
+        rows = [self._categories.ratios(names, votes).max(axis=0) for names in named]
+        return np.array(rows).reshape(len(named), len(things))
 
-    def _assign(
-        self,
-        observed: Observed,
-        things: list[Known],
-        rows: NDArray[np.intp],
-        other: Floats,
-    ) -> tuple[list[int], NDArray[np.intp]]:
-        """Return each detection's column of `things` or -1, and the best row of each pair."""
-        count, columns = other.shape
-        place = np.full((count, columns), NEVER)
-        at = np.full((count, columns), -1, dtype=np.intp)
+    def _look(self, observed: Observed, things: list[Known]) -> tuple[Floats, Floats | None]:
+        """Return the evidence of look, (n, m), and the cosines it comes from, NaN if unknown."""
+        nothing = np.zeros((len(observed.things), len(things)))
+        looks = self._memory.looks.rows(things)
+        if observed.looks.shape[1] == 0 or looks.shape[1] == 0:
+            return nothing, None
+        known = observed.looks.any(axis=1)[:, None] & looks.any(axis=1)[None]
+        likeness = np.where(known, (observed.looks @ looks.T).astype(np.float64), np.nan)
+        views = np.array([thing.look_weight for thing in things])
+        return np.nan_to_num(self.looks.ratios(likeness, views), nan=0.0), likeness
+
+    def _place(
+        self, observed: Observed, things: list[Known], rows: NDArray[np.intp]
+    ) -> tuple[Floats, NDArray[np.intp]]:
+        """Return the evidence of place, (n, m), and the row of the place it is of, -1 for none."""
+        place = np.full((len(observed.things), len(things)), NEVER)
+        at = np.full(place.shape, -1, dtype=np.intp)
         if len(rows):
             ratios = self._place_ratios(observed, rows)
             number = {thing.number: column for column, thing in enumerate(things)}
@@ -219,7 +221,29 @@ class Matcher:
         at[nowhere] = -1
         placeless = [j for j, thing in enumerate(things) if all(p.row < 0 for p in thing.places)]
         place[:, placeless] = 0.0
-        return likelihood.assign(place + other, self._parameters.new_thing_odds), at
+        return place, at
+
+    def _learn(
+        self, things: list[Known], taken: list[int], evidence: Floats, likeness: Floats
+    ) -> None:
+        """Teach the look model by what place and category (`evidence`) decided without it."""
+        least = self._parameters.plain_odds
+        confirmed = [thing.seen >= self._parameters.confirm_sightings for thing in things]
+        for i, column in enumerate(taken):
+            if column < 0 or not confirmed[column]:
+                continue
+            thing = things[column]
+            for j in range(len(taken)):  # the other detections of this frame are other things
+                if j == i or math.isnan(likeness[j, column]):
+                    continue
+                if taken[j] >= 0 and things[taken[j]].category == thing.category:
+                    self.looks.add(OTHER, float(likeness[j, column]), thing.look_weight)
+            rivals = np.concatenate(
+                [np.delete(evidence[i], column), np.delete(evidence[:, column], i)]
+            )
+            is_plain = evidence[i, column] >= least and (rivals < 0).all()
+            if is_plain and not math.isnan(likeness[i, column]):
+                self.looks.add(SAME, float(likeness[i, column]), thing.look_weight)
 
     def _place_ratios(self, observed: Observed, rows: NDArray[np.intp]) -> Floats:
         """Return the evidence of place for each detection and row, NEVER out of the gate."""

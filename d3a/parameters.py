@@ -45,13 +45,16 @@ class Parameters:
     # Default profile, tier 2: log-likelihood ratios against "a thing not seen before"
     space_m3: float = 200.0  # a new thing may be anywhere in a flat of this size (80 m2 x 2.5 m)
     outlier_dof: float = 5.0  # Student's t: depth through a chair's back, localisation that lags
-    # Similarity is the cosine of square-root histograms (Bhattacharyya): views of one thing share
-    # most of their colours, others little beyond the background. Where both are as likely, how
-    # fast the evidence grows, and its bounds: no look alone may outvote place and name together.
-    look_even: float = 0.6
-    look_slope: float = 14.0
+    # Likeness is the cosine of square-root histograms (Bhattacharyya). What is expected of views of
+    # one thing and of two, and how much that varies, before anything was learned; and for how many
+    # pairs that counts. Then the bounds: no look alone may outvote place and name together.
+    look_same: float = 0.78
+    look_other: float = 0.42
+    look_sigma: float = 0.16
+    look_prior: float = 30.0
     look_most: float = 3.0
     look_least: float = -6.0
+    plain_odds: float = 2.0  # from here on place and category alone say what a thing is
     confusion: float = 0.08  # share of detections that carry a wrong category
     category_prior: float = 2.0  # pseudo-counts with which a category's frequency starts,
     category_kinds: float = 20.0  # as if so many kinds of things were about

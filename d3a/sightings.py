@@ -169,7 +169,9 @@ def joined(intervals: Iterable[Interval], parameters: Parameters) -> list[Interv
         elif last.fits(each, parameters):
             result[-1] = last.union(each)
         else:
-            result.append(replace(each, start_ms=min(last.end_ms + 1, each.end_ms)))
+            longest_ms = round(parameters.max_interval_s * 1000)
+            start_ms = max(last.end_ms + 1, each.end_ms - longest_ms)
+            result.append(replace(each, start_ms=min(start_ms, each.end_ms)))
     return result
 
 

@@ -201,6 +201,7 @@ class TrackerPipeline:
     def to_state(self) -> tuple[Json, Arrays]:
         """Return everything that `restore` needs."""
         record, arrays = memory_state(self._memory)
+        arrays["look_model"] = self._matcher.looks.sums
         record |= {
             "next": self._next_number,
             "confirmed_since": self._confirmed_since,
@@ -216,6 +217,7 @@ class TrackerPipeline:
         """Go on where `to_state` was called."""
         memory_of_state(self._memory, record, arrays, self._parameters)
         self._next_number = record["next"]
+        self._matcher.looks.sums = np.array(arrays["look_model"])
         self._confirmed_since = record["confirmed_since"]
         self._categories.counts.update(record["categories"])
         self._matcher.offset.restore(record["offset"])
