@@ -189,6 +189,8 @@ def _where(answer: Answer, query: FormalQuery, now: datetime) -> str:
     where, last = where_words(best), "last " if query.select == "last" else ""
     first = "first " if query.select == "first" else ""
     gone = _since(best, now) if query.select == "last" else ""
+    if "same" in best.why:  # the detector had another word for it there
+        words += f" (or {article(vocabulary.canonical(best.category))} like it)"
     if not where:
         told = f"I {last}{first}saw {words} {when(best.end, now)}, but I do not know the place."
     else:

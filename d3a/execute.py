@@ -24,6 +24,7 @@ from d3a.joins import (
     relate,
     without_relation,
 )
+from d3a.lookalikes import later_names
 from d3a.match import Lexicon, candidates, rungs
 from d3a.moments import Found, in_slice, joined
 from d3a.parameters import Parameters
@@ -34,6 +35,7 @@ from d3a.plan import (
     FilterPlace,
     FindEdge,
     FindLandmarks,
+    FindLaterNames,
     FindObjects,
     FindSightings,
     FindStays,
@@ -112,6 +114,8 @@ def _take(run: Run, step: Step) -> None:
                 spread=step.spread,
                 unjudged=len(run.unjudged),
             )
+        case FindLaterNames():
+            _find_later_names(run, step)
         case FindLandmarks():
             run.find_landmarks()
         case Cover():
@@ -252,6 +256,13 @@ def _related(run: Run, step: Relate, figure: Found, ground: Found) -> Related:
     inside = [e for e in encounters if end is None or e.start_ms < end]
     once = step.kind in SYMMETRIC
     return relate(step.kind, figure, ground, inside, run.parameters, once=once)
+
+
+def _find_later_names(run: Run, step: FindLaterNames) -> None:
+    newest = rank(run.answering(step.var), "last", spread=False)
+    if newest and run.moments is None:
+        entry = newest[0].moment.figure
+        later_names(run.store, entry, run.found[step.var], run.parameters)
 
 
 def _cover(run: Run, step: Cover) -> None:

@@ -49,13 +49,13 @@ class Candidate:
     """An object that a noun may mean.
 
     match: 0..1, how well the word fits. attributes: word -> probability, "not red" for `without`.
-    unjudged: how many conditions on it nobody could judge.
+    same: how likely it is the thing meant, for a thing that the detector called otherwise.
     """
 
     record: ObjectRecord
     match: float
     attributes: Mapping[str, float] = field(default_factory=dict)
-    unjudged: int = 0
+    same: float = 1.0
 
 
 def rungs(step: FindObjects, categories: Sequence[str], lexicon: Lexicon) -> dict[str, float]:

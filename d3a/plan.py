@@ -14,6 +14,7 @@ from typing import Any, Literal
 from d3a.model import Json
 from d3a.parameters import DEFAULT, Parameters
 from grammar.forms import (
+    ANYTHING,
     Ask,
     FormalQuery,
     ObjectTerm,
@@ -154,6 +155,13 @@ class Rank:
 
 
 @dataclass(frozen=True, slots=True)
+class FindLaterNames:
+    """Find what the detector called otherwise right after the last sighting, at its spot."""
+
+    var: str
+
+
+@dataclass(frozen=True, slots=True)
 class FindLandmarks:
     """Tell each keyframe by the nearest large static thing, as people do."""
 
@@ -189,6 +197,7 @@ Step = (
     | KeepUsual
     | Measure
     | Rank
+    | FindLaterNames
     | FindLandmarks
     | Cover
     | ExplainEmpty
@@ -223,7 +232,7 @@ def plan(
     paper does, by the union of what was found for each object, unless a relation is geometry.
     """
     steps: list[Step] = []
-    objects = query.objects or (ObjectTerm("object"),)
+    objects = query.objects or (ObjectTerm(ANYTHING),)
     polarity = _asks_for_absence(query)
     for term in objects:
         steps += _term_steps(term, term.var, query, precision)
@@ -236,6 +245,8 @@ def plan(
         negated = query.relation.negated != polarity
         steps.append(_relate(query, names, negated))
     steps += _keep_steps(query, var)
+    if _wants_the_last(query):
+        steps.append(FindLaterNames(var))
     steps.append(Measure(query.ask, var, objects[0].quantity))
     steps.append(Rank(var, query.select, spread=_spreads(query)))
     steps.append(FindLandmarks(var))
@@ -292,6 +303,13 @@ def _keep_steps(query: FormalQuery, var: str) -> list[Step]:
     if query.select == "usual":
         return [KeepUsual(var, start, end)]
     return []
+
+
+def _wants_the_last(query: FormalQuery) -> bool:
+    """Whether the very last sighting is the answer, and nothing but the object narrows it."""
+    plain = query.relation is None and query.place is None and query.time is None
+    category = query.objects[0].category if query.objects else ANYTHING
+    return query.select == "last" and plain and category != ANYTHING
 
 
 def _spreads(query: FormalQuery) -> bool:

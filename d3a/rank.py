@@ -75,7 +75,8 @@ def entry_score(entry: Entry) -> tuple[float, Json]:
     if candidate.record.tentative or (stay is not None and stay.tentative):
         score *= TENTATIVE
         why["tentative"] = TENTATIVE
-    for name, factor in (("place", entry.place), ("where", entry.held)):
+    factors = (("same", candidate.same), ("place", entry.place), ("where", entry.held))
+    for name, factor in factors:
         if factor < 1.0:
             score *= factor
             why[name] = round(factor, 4)

@@ -1,0 +1,124 @@
+"""The order of moments, and the parts of a score."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from d3a.match import Candidate
+from d3a.moments import Entry, Moment
+from d3a.rank import LEAST_OF_BEST, REPEAT, TENTATIVE, UNJUDGED, entry_score, rank
+from d3a.rank import views_probability as views
+from d3a.store.base import ObjectRecord, Sighting, StayRecord
+from grammar.forms import Select
+
+
+def moment(
+    name: str,
+    start: int,
+    *,
+    place: int = 0,
+    probability: float = 0.9,
+    match: float = 1.0,
+    seen: int = 1,
+    tentative: bool = False,
+    attributes: dict[str, float] | None = None,
+    relation: float | None = None,
+) -> Moment:
+    record = ObjectRecord(name, "cup", 1.0, 0, 0, tentative=tentative)
+    stay = StayRecord(name, place, (0, 0, 0), start, start, 1.0, seen=seen)
+    box = (0.0, 0.0, 1.0, 1.0)
+    sighting = Sighting(name, place, start, start + 5, "f", probability, box)
+    entry = Entry(Candidate(record, match, attributes or {}), stay, sighting)
+    return Moment((entry,), start, start + 5, relation=relation)
+
+
+def order(moments: list[Moment], select: Select = "all", *, spread: bool = False) -> list[str]:
+    ranked = rank(moments, select, spread=spread)
+    return [f"{r.moment.figure.sighting.object_id}@{r.moment.start_ms}" for r in ranked]
+
+
+def test_the_score_is_the_product_of_its_parts() -> None:
+    one = moment("a", 0, match=0.9, attributes={"red": 0.8}, tentative=True, relation=0.7)
+    ranked = rank([one], "all", spread=False, unjudged=1)[0]
+    assert ranked.score == pytest.approx(0.9 * 0.8 * 0.9 * TENTATIVE * 0.7 * UNJUDGED)
+    assert ranked.why[0] == {
+        "match": 0.9,
+        "attributes": {"red": 0.8},
+        "detection": 0.9,
+        "views": 1,
+        "tentative": TENTATIVE,
+        "relation": 0.7,
+        "unjudged": UNJUDGED,
+    }
+
+
+def test_more_views_make_it_likelier_but_not_as_if_independent() -> None:
+    assert views(0.7, 1) == pytest.approx(0.7)
+    assert views(0.7, 1) < views(0.7, 4) == pytest.approx(1 - 0.3**2)
+    assert views(0.7, 4) < 1 - 0.3**4
+
+
+def test_all_goes_by_score_and_ties_by_time_then_id() -> None:
+    moments = [moment("b", 5), moment("a", 5), moment("c", 1), moment("d", 9, probability=0.95)]
+    assert order(moments) == ["d@9", "c@1", "a@5", "b@5"]
+
+
+def test_a_second_keyframe_of_the_same_place_counts_half() -> None:
+    moments = [moment("a", 0), moment("a", 100), moment("b", 50, probability=0.5)]
+    assert order(moments, spread=True) == ["a@0", "b@50", "a@100"]
+    ranked = rank(moments, "all", spread=True)
+    assert ranked[2].score == pytest.approx(REPEAT * 0.9)
+    assert ranked[2].why[0]["repeat"] == REPEAT
+
+
+def test_last_goes_by_time_among_those_at_least_half_as_likely() -> None:
+    late = moment("late", 900, probability=0.9 * LEAST_OF_BEST - 0.01)
+    moments = [moment("a", 0), moment("b", 500, probability=0.6), late]
+    assert order(moments, "last") == ["b@500", "a@0", "late@900"]
+    assert order(moments, "first") == ["a@0", "b@500", "late@900"]
+
+
+def test_last_shows_each_place_once_before_any_twice() -> None:
+    moments = [moment("a", 0), moment("a", 100), moment("a", 50, place=1)]
+    assert order(moments, "last") == ["a@100", "a@50", "a@0"]
+
+
+drawn = st.builds(
+    moment,
+    st.sampled_from("abc"),
+    st.integers(0, 50),
+    place=st.integers(0, 2),
+    probability=st.floats(0, 1),
+    match=st.floats(0.01, 1),
+    seen=st.integers(1, 400),
+    tentative=st.booleans(),
+    attributes=st.dictionaries(st.sampled_from(["red", "big"]), st.floats(0, 1)),
+    relation=st.none() | st.floats(0, 1),
+)
+
+
+@given(
+    st.lists(drawn, max_size=12),
+    st.sampled_from(["all", "last", "first", "usual"]),
+    st.booleans(),
+    st.integers(0, 3),
+)
+def test_scores_are_probabilities_and_the_order_is_fixed(
+    moments: list[Moment], select: Select, spread: bool, unjudged: int
+) -> None:
+    ranked = rank(moments, select, spread=spread, unjudged=unjudged)
+    assert len(ranked) == len(moments)
+    assert all(0 <= one.score <= 1 for one in ranked)
+    again = rank(list(reversed(moments)), select, spread=spread, unjudged=unjudged)
+    assert [one.score for one in ranked] == [one.score for one in again]
+    if select == "all":
+        scores = [one.score for one in ranked]
+        assert scores == sorted(scores, reverse=True)
+
+
+@given(drawn)
+def test_a_part_of_a_score_is_never_above_one(one: Moment) -> None:
+    score, _ = entry_score(one.figure)
+    assert 0 <= score <= min(1.0, one.figure.candidate.match + 1e-9)
