@@ -43,6 +43,7 @@ PAINTS: dict[str, tuple[float, float, float]] = {
 }
 Rgb = tuple[float, float, float]
 Box = tuple[float, float, float, float]
+HOUR_MS = 3_600_000
 MUG_BOX: Box = (100.0, 100.0, 140.0, 150.0)
 
 
@@ -142,21 +143,21 @@ class Home:
             last_absent_ms=None if absent is None else self.minute(absent),
             moved_from=moved_from,
         )
-        frame = f"{name}-{place}-{start:g}"
-        self.sightings.append(
-            Sighting(
-                name,
-                place,
-                first,
-                last,
-                frame,
-                probability,
-                box,
-                seen=times,
-                viewer=viewer,
-                category=self.objects[name].category,
+        for begin in range(first, max(last, first + 1), HOUR_MS):  # the store's limit
+            self.sightings.append(
+                Sighting(
+                    name,
+                    place,
+                    begin if begin == first else begin + 1,
+                    min(begin + HOUR_MS, last),
+                    f"{name}-{place}-{start:g}",
+                    probability,
+                    box,
+                    seen=times,
+                    viewer=viewer,
+                    category=self.objects[name].category,
+                )
             )
-        )
         self.views.append(View(first, last, times))
 
     def met(

@@ -1,0 +1,187 @@
+"""Each relation with a case where it holds and one where it does not, by box and by place."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from d3a.parameters import DEFAULT
+from d3a.relations import Pairs, between, normal_cdf, probability, up_axis
+from grammar.forms import RELATION_KINDS, RelationKind
+
+NAN3, NAN4, NAN7 = (np.nan,) * 3, (np.nan,) * 4, (np.nan,) * 7
+Point = tuple[float, ...]
+FACING_X = (-3.0, 0.0, 1.0, -0.5, 0.5, -0.5, 0.5)
+"""A camera 3 m back on the x axis that looks along +x: its right is -y, its down is -z."""
+
+
+def pair(
+    a: Point = NAN3,
+    b: Point = NAN3,
+    box_a: Point = NAN4,
+    box_b: Point = NAN4,
+    viewer: Point = NAN7,
+    width_b: float = np.nan,
+    sigma: float = 0.1,
+) -> Pairs:
+    rows = (np.array([row], dtype=np.float64) for row in (a, b, box_a, box_b, viewer))
+    place_a, place_b, picture_a, picture_b, camera = rows
+    return Pairs(
+        place_a, place_b, np.array([sigma]), picture_a, picture_b, camera, np.array([width_b])
+    )
+
+
+def holds(kind: RelationKind, one: Pairs) -> float:
+    return float(probability(kind, one, DEFAULT)[0])
+
+
+TABLE = (100.0, 200.0, 300.0, 400.0)  # a box in pixels: x1 y1 x2 y2
+CASES: list[tuple[RelationKind, Point, Point]] = [
+    # kind, a box for which it holds, a box for which it does not; the ground is TABLE
+    ("on", (180, 170, 220, 230), (180, 360, 220, 430)),
+    ("on", (180, 150, 220, 205), (400, 150, 440, 205)),
+    ("under", (180, 330, 220, 395), (180, 150, 220, 210)),
+    ("above", (180, 40, 220, 120), (180, 330, 220, 395)),
+    ("in", (150, 250, 200, 300), (20, 250, 90, 300)),
+    ("near", (310, 250, 350, 300), (1500, 250, 1540, 300)),
+    ("left_of", (20, 250, 60, 300), (340, 250, 380, 300)),
+    ("right_of", (340, 250, 380, 300), (20, 250, 60, 300)),
+    ("in_front_of", (150, 380, 250, 480), (150, 100, 250, 300)),
+    ("behind", (150, 100, 250, 300), (150, 380, 250, 480)),
+]
+
+
+@pytest.mark.parametrize(("kind", "good", "bad"), CASES)
+def test_boxes_of_one_frame(kind: RelationKind, good: Point, bad: Point) -> None:
+    assert holds(kind, pair(box_a=good, box_b=TABLE)) > 0.7
+    assert holds(kind, pair(box_a=bad, box_b=TABLE)) < 0.3
+
+
+PLACES: list[tuple[RelationKind, Point, Point]] = [
+    # kind, where the figure is when it holds, where when not; the ground is at 2, 0, 1
+    ("together", (2.5, 0.0, 1.0), (4.0, 0.0, 1.0)),
+    ("near", (2.0, 1.2, 1.0), (2.0, 2.2, 1.0)),
+    ("on", (2.1, 0.1, 1.4), (2.1, 0.1, 0.4)),
+    ("on", (2.1, 0.1, 1.4), (2.1, 3.0, 1.4)),
+    ("under", (2.1, 0.1, 0.4), (2.1, 0.1, 1.4)),
+    ("above", (2.0, 0.0, 1.8), (2.0, 0.0, 0.5)),
+    ("in", (2.1, 0.0, 1.1), (2.9, 0.9, 1.0)),
+    ("left_of", (2.0, 0.8, 1.0), (2.0, -0.8, 1.0)),
+    ("right_of", (2.0, -0.8, 1.0), (2.0, 0.8, 1.0)),
+    ("in_front_of", (1.4, 0.0, 1.0), (2.6, 0.0, 1.0)),
+    ("behind", (2.6, 0.0, 1.0), (1.4, 0.0, 1.0)),
+    ("same_place", (2.1, 0.1, 1.0), (3.0, 0.0, 1.0)),
+]
+
+
+@pytest.mark.parametrize(("kind", "good", "bad"), PLACES)
+def test_places_without_a_shared_frame(kind: RelationKind, good: Point, bad: Point) -> None:
+    ground = (2.0, 0.0, 1.0)
+    assert holds(kind, pair(good, ground, viewer=FACING_X)) > 0.7
+    assert holds(kind, pair(bad, ground, viewer=FACING_X)) < 0.3
+
+
+def test_a_shared_frame_is_together_whatever_the_distance() -> None:
+    far = pair((0, 0, 0), (9, 0, 0), box_a=(0, 0, 9, 9), box_b=(20, 0, 29, 9))
+    assert holds("together", far) == 1.0
+
+
+def test_a_picture_that_deceives_is_corrected_by_the_place() -> None:
+    boxes = {"box_a": (180.0, 170.0, 220.0, 230.0), "box_b": TABLE}
+    assert holds("on", pair((2, 0, 1.4), (2, 0, 1), **boxes)) > 0.7
+    assert holds("on", pair((6, 0, 1.4), (2, 0, 1), **boxes)) < 0.1
+
+
+def test_one_estimate_for_the_whole_frame_says_nothing_of_a_pair() -> None:
+    here = (1.5, 2.7, 0.4)
+    boxes = {"box_a": (180.0, 170.0, 220.0, 230.0), "box_b": TABLE}
+    assert holds("on", pair(here, here, **boxes)) == holds("on", pair(**boxes))
+
+
+def test_uncertain_places_are_said_with_less_certainty() -> None:
+    near, ground = (2.0, 1.2, 1.0), (2.0, 0.0, 1.0)
+    sure, unsure = (holds("near", pair(near, ground, sigma=s)) for s in (0.05, 1.0))
+    assert sure > 0.99 > unsure > 0.5
+
+
+def test_nothing_known_is_not_a_no() -> None:
+    assert math.isnan(holds("near", pair()))
+    assert math.isnan(holds("left_of", pair((0, 0, 0), (1, 0, 0))))
+
+
+def test_between_by_places_and_by_boxes() -> None:
+    b, c = (0.0, 0.0, 1.0), (2.0, 0.0, 1.0)
+    for a, expected in (
+        ((1.0, 0.1, 1.0), True),
+        ((3.0, 0.0, 1.0), False),
+        ((1.0, 2.5, 1.0), False),
+    ):
+        assert bool(between(pair(a, b), pair(a, c))[0] > 0.5) is expected
+    left, right = (0.0, 0.0, 10.0, 10.0), (100.0, 0.0, 110.0, 10.0)
+    for x, expected in ((50.0, True), (150.0, False)):
+        box = (x, 0.0, x + 10, 10.0)
+        p = between(pair(box_a=box, box_b=left), pair(box_a=box, box_b=right))
+        assert bool(p[0] > 0.5) is expected
+
+
+def test_up_follows_the_cameras() -> None:
+    upright = np.array([FACING_X])
+    assert up_axis(upright) == (2, 1.0)
+    y_down = np.array([(0, 0, 0, 0, 0, 0, 1.0)])  # the map is the first camera's own frame
+    assert up_axis(y_down) == (1, -1.0)
+    assert up_axis(np.full((1, 7), np.nan)) == (2, 1.0)
+
+
+def test_normal_cdf() -> None:
+    z = np.linspace(-6, 6, 101)
+    true = [0.5 * math.erfc(-x / math.sqrt(2)) for x in z]
+    assert np.allclose(normal_cdf(z), true, atol=1e-7)
+
+
+numbers = st.floats(-20, 20)
+points = st.tuples(numbers, numbers, numbers) | st.just(NAN3)
+boxes = st.tuples(st.floats(0, 500), st.floats(0, 500), st.floats(1, 300), st.floats(1, 300)).map(
+    lambda b: (b[0], b[1], b[0] + b[2], b[1] + b[3])
+)
+pictures = st.tuples(boxes, boxes) | st.just((NAN4, NAN4))
+
+
+@given(st.sampled_from(RELATION_KINDS), points, points, pictures, st.booleans(), st.floats(0.02, 5))
+def test_every_probability_is_one_or_unknown(
+    kind: RelationKind,
+    a: Point,
+    b: Point,
+    shown: tuple[Point, Point],
+    has_viewer: bool,
+    sigma: float,
+) -> None:
+    viewer = FACING_X if has_viewer else NAN7
+    p = holds(kind, pair(a, b, *shown, viewer=viewer, sigma=sigma))
+    assert math.isnan(p) or 0 <= p <= 1
+
+
+@given(boxes, boxes)
+def test_left_and_right_are_each_other_s_opposite(box_a: Point, box_b: Point) -> None:
+    one, other = pair(box_a=box_a, box_b=box_b), pair(box_a=box_b, box_b=box_a)
+    assert holds("left_of", one) == pytest.approx(holds("right_of", other))
+    assert holds("left_of", one) + holds("right_of", one) == pytest.approx(1.0, abs=1e-6)
+
+
+def test_pairs_are_judged_row_by_row() -> None:
+    one = pair((2.1, 0.1, 1.4), (2, 0, 1))
+    both = replace(
+        one,
+        **{
+            name: np.concatenate([getattr(one, name), getattr(pair(box_a=TABLE), name)])
+            for name in one.__slots__
+        },
+    )
+    p = probability("on", both, DEFAULT)
+    assert p[0] == pytest.approx(holds("on", one))
+    assert math.isnan(p[1])
+    assert len(both) == 2
