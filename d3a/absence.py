@@ -2,8 +2,9 @@
 
 A look is a view of `coverage`: all frames from nearly one viewpoint count once, because what hides
 a thing in one of them hides it in the next. In a look a place is found, or hidden by something
-nearer, or seen through (depth shows what is behind it), or missed: then only the chance that the
-detector overlooks a present thing speaks for it.
+nearer, or seen through (depth shows only what is behind it), or missed. A miss tells something
+where the thing was seen before from that same side; how much, is learned from how often things are
+found again.
 """
 
 from __future__ import annotations
@@ -12,31 +13,54 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from d3a.geometry import in_view, project
+from d3a.matching import FrameOffset
 from d3a.memory import Known, Memory, Place
 from d3a.model import Json
 from d3a.parameters import Parameters
 from d3a.sightings import Metres, Scene
 
-PATCH = 3
-"""Half the side, in pixels, of the patch of depth that is looked at."""
+Floats = NDArray[np.float64]
+PATCH, PATCH_MOST = 3, 40
+"""Half the side, in pixels, of the patch of depth that is looked at, at least and at most."""
+NEAREST_SHARE = 10
+"""Per cent of a patch's depths that may be nearer than the thing's place without being it."""
 SURE_M = 1.0
 """A place whose position may err by more than this (one sigma) cannot be looked at."""
 SEEN_THROUGH_ODDS = 2.5
 """Log-odds of one look that saw through a place: poses and shapes err, so not certainty."""
+FAMILIAR_SHARE, FAMILIAR_M = 0.25, 0.5
+"""A viewpoint is one known to show a thing if it is this near to one that did: a share of the
+distance to the thing, or metres if that is more."""
+CHANCE_PRIOR = 3.0
+"""Looks that the usual chance of finding a thing again is worth against the thing's own."""
+SIDES_KEPT = 12
+"""Viewpoints remembered for a place, the latest."""
 
 
 @dataclass(slots=True)
 class Glance:
-    """What the current look showed of a place: frames in which it was in view, hidden, through."""
+    """What the current look showed of a place: frames in which it was in view, hidden, through,
+
+    and in plain view from a side that has shown it before.
+    """
 
     thing: Known
     place: Place
     frames: int = 0
     hidden: int = 0
     through: int = 0
+    familiar: int = 0
     found: bool = False
+
+    def add(self, hidden: bool, through: bool, familiar: bool) -> None:
+        """Count a frame."""
+        self.frames += 1
+        self.hidden += hidden
+        self.through += through
+        self.familiar += familiar and not hidden
 
 
 class Absence:
@@ -47,29 +71,51 @@ class Absence:
         self._parameters = parameters
         self._glances: dict[tuple[int, int], Glance] = {}
         self._end_ms = 0
+        self._refound, self._relooked = 0, 0
 
-    def watch(self, scene: Scene, found: list[tuple[Known, Place]]) -> None:
-        """Take in a frame: which places it should have shown, and which it did."""
+    def watch(self, scene: Scene, found: list[tuple[Known, Place]], offset: FrameOffset) -> None:
+        """Take in a frame: which places it should have shown, and which it did.
+
+        offset: how far the frame's pose is off the map of things.
+        """
         self._end_ms = scene.ref.time_ms
         for thing, place in found:
             self._glance(thing, place).found = True
         positions = self._memory.positions
         if scene.pose is None or scene.camera is None or not positions.owners:
             return
-        seen = project(positions.mean, scene.pose, scene.camera)
+        eye = np.array(scene.pose.position) - offset.mean
+        for thing, place in found:
+            _remember_side(place, eye)
+        seen = project(positions.mean + offset.mean, scene.pose, scene.camera)
         parameters = self._parameters
         visible = in_view(seen, scene.camera, parameters.view_range_m, parameters.view_margin)
-        sigma = np.sqrt(np.trace(positions.spread, axis1=1, axis2=2) / 3)
+        shared = np.trace(offset.covariance)
+        sigma = np.sqrt((np.trace(positions.spread, axis1=1, axis2=2) + shared) / 3)
         for row in np.flatnonzero(visible & (sigma <= SURE_M)).tolist():
             thing, place = positions.owners[row]
-            glance = self._glance(thing, place)
-            glance.frames += 1
-            behind = _behind(
-                scene.depth, float(seen.u[row]), float(seen.v[row]), float(seen.depth_m[row])
+            u, v, away = float(seen.u[row]), float(seen.v[row]), float(seen.depth_m[row])
+            self._glance(thing, place).add(
+                *self._depth(scene, u, v, away, float(sigma[row])), _is_familiar(place, eye, away)
             )
-            margin = parameters.seen_through_m + 2 * float(sigma[row])
-            glance.hidden += behind is not None and behind < -margin
-            glance.through += behind is not None and behind > margin
+
+    def _depth(
+        self, scene: Scene, u: float, v: float, away_m: float, sigma_m: float
+    ) -> tuple[bool, bool]:
+        """Say whether something hides the place, and whether only what is behind it is seen.
+
+        The thing may be anywhere in its error around (u, v): nothing there may be as near as it.
+        """
+        assert scene.camera is not None
+        margin = self._parameters.seen_through_m + 2 * sigma_m
+        wide = PATCH + round(2 * sigma_m * scene.camera.fx / away_m)
+        middle = _patch(scene.depth, u, v, PATCH)
+        around = _patch(scene.depth, u, v, wide) if wide <= PATCH_MOST else None
+        hidden = middle is not None and float(np.median(middle)) < away_m - margin
+        through = around is not None and bool(
+            np.percentile(around, NEAREST_SHARE) > away_m + self._parameters.seen_through_m
+        )
+        return hidden, through
 
     def _glance(self, thing: Known, place: Place) -> Glance:
         return self._glances.setdefault((thing.number, place.number), Glance(thing, place))
@@ -86,60 +132,84 @@ class Absence:
             if thing.row < 0:  # evicted or expired meanwhile
                 continue
             if glance.found:
-                place.hits += 1
-                place.chances += 1
-                place.misses = 0
-                place.evidence = 0.0
-                if place.last_absent_ms is not None:
-                    place.last_absent_ms, thing.dirty = None, True
-            elif glance.hidden < glance.frames:
-                emptied += self._missed(glance)
+                self._found(glance)
+            elif 2 * glance.through > glance.frames - glance.hidden:
+                emptied += self._missed(glance, SEEN_THROUGH_ODDS)
+            elif glance.familiar:
+                emptied += self._missed(glance, -math.log(1 - self._chance(place)))
         self._glances.clear()
         return emptied
 
-    def _missed(self, glance: Glance) -> list[tuple[Known, Place]]:
-        place = glance.place
-        parameters = self._parameters
-        if 2 * glance.through >= glance.frames - glance.hidden:
-            place.evidence += SEEN_THROUGH_ODDS
-        else:
-            # How often this very thing is found when it should be, with two looks' worth of prior.
-            chance = (place.hits + 2 * parameters.detect_chance) / (place.chances + 2)
-            place.evidence -= math.log(1 - min(chance, 0.95))
+    def _chance(self, place: Place) -> float:
+        """Return how likely the thing would have been found, were it there."""
+        usual = (self._refound + 2 * self._parameters.detect_chance) / (self._relooked + 2)
+        own = (place.hits + CHANCE_PRIOR * usual) / (place.chances + CHANCE_PRIOR)
+        return min(own, 0.95)
+
+    def _found(self, glance: Glance) -> None:
+        thing, place = glance.thing, glance.place
+        if thing.seen > self._parameters.confirm_sightings and glance.familiar:
+            self._refound += 1
+            self._relooked += 1
+        place.hits += 1
+        place.chances += 1
+        place.misses = 0
+        place.evidence = 0.0
+        if place.last_absent_ms is not None:
+            place.last_absent_ms, thing.dirty = None, True
+
+    def _missed(self, glance: Glance, odds: float) -> list[tuple[Known, Place]]:
+        thing, place = glance.thing, glance.place
+        if thing.seen > self._parameters.confirm_sightings and place.last_absent_ms is None:
+            self._relooked += 1
+        place.evidence += odds
         place.chances += 1
         place.misses += 1
-        if place.evidence < parameters.absent_odds:
+        if place.evidence < self._parameters.absent_odds:
             return []
         first = place.last_absent_ms is None
         place.last_absent_ms = self._end_ms
-        glance.thing.dirty = True
-        return [(glance.thing, place)] if first else []
+        thing.dirty = True
+        return [(thing, place)] if first else []
 
     def to_state(self) -> Json:
         """Return the look that is going on as JSON."""
         glances = [
-            [*key, g.frames, g.hidden, g.through, g.found] for key, g in self._glances.items()
+            [*key, g.frames, g.hidden, g.through, g.familiar, g.found]
+            for key, g in self._glances.items()
         ]
-        return {"end_ms": self._end_ms, "glances": glances}
+        counts = [self._refound, self._relooked]
+        return {"end_ms": self._end_ms, "glances": glances, "again": counts}
 
     def restore(self, record: Json) -> None:
         """Go on where `to_state` was called; the memory is restored already."""
         self._end_ms = record["end_ms"]
-        for number, place_number, frames, hidden, through, found in record["glances"]:
+        self._refound, self._relooked = record["again"]
+        for number, place_number, *counted in record["glances"]:
             thing = self._memory.things.get(number)
             if thing is not None:
                 place = thing.place(place_number)
-                glance = Glance(thing, place, frames, hidden, through, found)
-                self._glances[number, place_number] = glance
+                self._glances[number, place_number] = Glance(thing, place, *counted)
 
 
-def _behind(depth: Metres | None, u: float, v: float, expected_m: float) -> float | None:
-    """Return how far behind the expected place the depth there is, None where unmeasured."""
+def _remember_side(place: Place, eye: Floats) -> None:
+    """Keep the viewpoint, if it is another than those known; the oldest goes."""
+    x, y, z = eye.tolist()
+    if not any(math.dist((x, y, z), side) < FAMILIAR_M for side in place.seen_from):
+        place.seen_from = [*place.seen_from[1 - SIDES_KEPT :], (x, y, z)]
+
+
+def _is_familiar(place: Place, eye: Floats, away_m: float) -> bool:
+    near_m = max(FAMILIAR_M, FAMILIAR_SHARE * away_m)
+    x, y, z = eye.tolist()
+    return any(math.dist((x, y, z), side) <= near_m for side in place.seen_from)
+
+
+def _patch(depth: Metres | None, u: float, v: float, half: int) -> Metres | None:
+    """Return the measured depths around a pixel, None where there are none."""
     if depth is None:
         return None
     row, column = round(v), round(u)
-    patch = depth[
-        max(0, row - PATCH) : row + PATCH + 1, max(0, column - PATCH) : column + PATCH + 1
-    ]
+    patch = depth[max(0, row - half) : row + half + 1, max(0, column - half) : column + half + 1]
     patch = patch[patch > 0]
-    return float(np.median(patch)) - expected_m if len(patch) else None
+    return patch if len(patch) else None

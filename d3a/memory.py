@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from d3a.model import Position
 from d3a.parameters import Parameters
 from d3a.sightings import Interval
 from d3a.store.base import TaughtName
@@ -28,7 +29,8 @@ class Place:
     """One location of a thing. row: in the table of positions, -1 where the position is unknown.
 
     evidence: log-odds that it has left, from looks since it was last seen. hits of chances: looks
-    that found it of looks that could have; misses: looks in a row that did not.
+    that found it of looks that could have; misses: looks in a row that did not. seen_from: where
+    the camera was when it was seen.
     """
 
     number: int
@@ -43,6 +45,7 @@ class Place:
     hits: int = 0
     chances: int = 0
     misses: int = 0
+    seen_from: list[Position] = field(default_factory=list)
     row: int = -1
 
 

@@ -80,5 +80,6 @@ def _place(record: Json) -> Place:
     plain = {name: record[name] for name in _PLACE}
     moved = plain["moved_from"]
     plain["moved_from"] = None if moved is None else tuple(moved)
+    plain["seen_from"] = [(x, y, z) for x, y, z in record["seen_from"]]
     opened = record["open"]
     return Place(**plain, open=None if opened is None else Interval.from_json(opened))

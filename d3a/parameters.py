@@ -43,7 +43,7 @@ class Parameters:
     object_spread_m: float = 0.1  # the measured point wanders over the thing's surface
     no_depth_range_m: float = 2.5  # without depth a thing is somewhere before the camera: half way
     # Default profile, tier 2: log-likelihood ratios against "a thing not seen before"
-    space_m3: float = 200.0  # a new thing may be anywhere in a flat of this size (80 m2 x 2.5 m)
+    space_m3: float = 30.0  # of a home (80 m2 x 2.5 m) for each thing in view not seen yet
     outlier_dof: float = 5.0  # Student's t: depth through a chair's back, localisation that lags
     # Likeness is the cosine of square-root histograms (Bhattacharyya). What is expected of views of
     # one thing and of two, and how much that varies, before anything was learned; and for how many
@@ -65,7 +65,7 @@ class Parameters:
     # Default profile, tier 3: negative evidence, expiry, moves
     view_margin: float = 0.1  # share of the picture's edge where a missing box proves nothing
     detect_chance: float = 0.6  # of a present thing in one look, before anything is known of it
-    absent_odds: float = 3.0  # log-odds (20 to 1) at which a place counts as seen empty
+    absent_odds: float = 4.0  # log-odds (50 to 1) at which a place counts as seen empty
     seen_through_m: float = 0.3  # depth this far behind a thing's place: it is not there
     expire_chances: int = 5  # looks in which a tentative thing may stay unseen
     move_similarity: float = 0.85  # look of a thing before and after it was moved

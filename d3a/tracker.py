@@ -67,7 +67,7 @@ class TrackerPipeline:
             seen.append((thing, place))
         self._matcher.update(observed, moved)
         self._meet(scene.ref, seen, found)
-        self._absence.watch(scene, seen)
+        self._absence.watch(scene, seen, self._matcher.offset)
         for gone in self._recall.evict():
             self._encounters.write(self._ledger)
             self._encounters.forget(gone.object_id)
