@@ -13,12 +13,13 @@ from assistant.wording import answer_lines
 
 QUESTIONS = (
     "Where are my keys?",
-    "When were the cup and the bowl seen together?",
-    "Where was the phone yesterday evening?",
-    "Did you ever see a bicycle?",
-    "How many cups are in the kitchen?",
+    "When were the cup and the bowl seen together yesterday evening?",
+    "Where was my handbag yesterday evening?",
+    "Did you see an umbrella?",
+    "What moved today?",
 )
-"""The title's own, a Q2, a Q3, an honest no, and a count."""
+"""The title's own, a Q2, a Q3, an honest no, and a carer's."""
+TOUR_ROWS = 3
 
 
 def demo_store(settings: Settings, tell: Callable[[str], None]) -> str:
@@ -28,11 +29,10 @@ def demo_store(settings: Settings, tell: Callable[[str], None]) -> str:
     fills anew. It is filled beside its place and then renamed: an interrupted run leaves nothing
     that looks whole. Raises StoreError, BadInput and SettingsError.
     """
-    from d3a.ingest import ingest
-    from d3a.readers.opening import open_source
-
     from assistant.home.folder import recording_folder
+    from d3a.ingest import ingest
     from d3a.parameters import DEFAULT
+    from d3a.readers.opening import open_source
     from d3a.store import open_store
 
     folder = recording_folder()
@@ -65,5 +65,5 @@ def tour_lines(session: Session) -> Iterator[str]:
     """Yield the demo's questions with their answers, for a README and for a machine."""
     for question in QUESTIONS:
         yield f"You: {question}"
-        yield "\n".join(answer_lines(session.safely(question), session.now()))
+        yield "\n".join(answer_lines(session.safely(question), session.now(), rows=TOUR_ROWS))
         yield ""

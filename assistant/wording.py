@@ -38,23 +38,6 @@ def short_time(moment: datetime, now: datetime) -> str:
     return f"{clock} {date}" if local.year == now.year else f"{clock} {date} {local.year}"
 
 
-def ago(moment: datetime, now: datetime) -> str:
-    """Return how long ago `moment` was, in one unit: "8 min ago", "9 hours ago".
-
-    Elapsed time, so a change of the clocks in between does not count.
-    """
-    seconds = (now.astimezone(UTC) - moment.astimezone(UTC)).total_seconds()
-    if seconds < 0:
-        return "in the future"
-    if seconds < 60:
-        return "just now"
-    for unit, length, limit in (("min", 60, 3600), ("hour", 3600, 86400 * 2), ("day", 86400, None)):
-        if limit is None or seconds < limit:
-            count = int(seconds // length)
-            return f"{count} {unit}{'s' if count != 1 and unit != 'min' else ''} ago"
-    raise AssertionError("unreachable: the last unit has no limit")
-
-
 def place_words(keyframe: RankedKeyframe) -> str:
     """Return where a keyframe's object was: the room, the landmark beside it, else metres."""
     parts = []
@@ -100,25 +83,23 @@ def more_words(answer: Answer) -> str:
     return words.strip()
 
 
-def answer_lines(answer: Answer, now: datetime) -> list[str]:
-    """Return an answer as lines: the sentence, the ranked keyframes as a table, a way on."""
+def answer_lines(answer: Answer, now: datetime, *, rows: int | None = None) -> list[str]:
+    """Return an answer as lines: the sentence, the ranked keyframes as a table, a way on.
+
+    rows: how many keyframes at most, None for all of the answer's.
+    """
     lines = [answer.answer or answer.message or ""]
     if answer.message and answer.message != answer.answer and answer.answer:
         lines.append(answer.message)
     if answer.keyframes:
         header = ["#", "what", "last seen", "where", "how sure", "views", "score", "frame"]
-        rows = [
-            [
-                str(keyframe.rank),
-                *keyframe_row(keyframe, now),
-                f"{keyframe.score:.2f}",
-                keyframe.frame,
-            ]
-            for keyframe in answer.keyframes
-        ]
-        lines += ["", *table([header, *rows], limits={1: 24, 3: 34, 7: 24})]
-        if answer.truncated:
-            lines.append(f"(the first {len(answer.keyframes)}; --limit shows more)")
+        shown = answer.keyframes[:rows]
+        cells = [[str(k.rank), *keyframe_row(k, now), f"{k.score:.2f}", k.frame] for k in shown]
+        lines += ["", *table([header, *cells], limits={1: 24, 3: 34, 7: 24})]
+        if len(shown) < len(answer.keyframes):
+            lines.append(f"({len(answer.keyframes) - len(shown)} more)")
+        elif answer.truncated:
+            lines.append(f"(the first {len(shown)}; --limit shows more)")
     lines += [f"Did you mean: {clean(suggestion)}" for suggestion in answer.suggestions]
     return lines
 

@@ -53,9 +53,9 @@ def command(
 
     Status: 0 found, 1 nothing found, 3 the store cannot be reached, 5 not understood.
     """
+    settings = settings_of(context)
     from assistant.asking import ask
 
-    settings = settings_of(context)
     text = well_formed(" ".join(question))
     with opened(settings) as store:
         now = now_of(settings, store)

@@ -24,9 +24,9 @@ def command(context: click.Context, questions: IO[str], limit: int) -> None:
     a JSON object a line. A bad line gives a record with its error and does not stop the rest; the
     status is 1 when the store failed on one.
     """
+    settings = settings_of(context)
     from assistant.batch import run
 
-    settings = settings_of(context)
     failed = False
     with opened(settings) as store:
         now = now_of(settings, store)

@@ -18,10 +18,10 @@ from assistant.terminal import clean_lines, json_line, speaks_unicode, well_form
 @click.pass_context
 def command(context: click.Context, question: tuple[str, ...], as_json: bool) -> None:
     """Print the formal query, the plan and the store's native queries of QUESTION."""
+    settings = settings_of(context)
     from assistant.asking import explain
     from grammar.errors import QuestionError
 
-    settings = settings_of(context)
     with opened(settings) as store:
         now = now_of(settings, store)
         try:

@@ -68,7 +68,7 @@ HIGH_CONTRAST = Theme(
 )
 
 
-class ChatApp(App[None]):
+class ChatApp(App[None], inherit_bindings=False):
     """The chat over one session. history: earlier questions; saves: the folder F6 writes to."""
 
     TITLE = "d3a"
@@ -82,6 +82,7 @@ class ChatApp(App[None]):
         Binding("f7", "why", "Why", id="why"),
         Binding("f8", "copy_answer", "Copy", id="copy"),
         Binding("ctrl+q", "quit", "Quit", id="quit"),
+        Binding("ctrl+c", "help_quit", show=False, system=True),
         Binding("escape", "stop", "Stop", show=False, id="stop"),
     ]
 

@@ -7,6 +7,7 @@ in box characters: drawn into the picture it would blend away, and colour alone 
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -116,29 +117,25 @@ def letters(pixels: Pixels) -> Cells:
 
 
 def box_cells(box: Box, region: Region, cells: tuple[int, int]) -> Rectangle | None:
-    """Return the cells that a box's edge runs through, None where it lies outside of `region`.
+    """Return the cells for a box's edge, None where the box lies outside of `region`.
 
-    At least 3 x 2 cells, so that something remains to be seen of it.
+    The edge runs just outside of the box, so that it covers nothing of the thing, and at the
+    rim of the picture where the box reaches it.
     """
     if box[2] <= region[0] or box[0] >= region[2] or box[3] <= region[1] or box[1] >= region[3]:
         return None
     across = cells[0] / (region[2] - region[0])
     down = cells[1] / (region[3] - region[1])
-    left, right = _span((box[0] - region[0]) * across, (box[2] - region[0]) * across, cells[0], 3)
-    top, bottom = _span((box[1] - region[1]) * down, (box[3] - region[1]) * down, cells[1], 2)
+    left, right = _span((box[0] - region[0]) * across, (box[2] - region[0]) * across, cells[0])
+    top, bottom = _span((box[1] - region[1]) * down, (box[3] - region[1]) * down, cells[1])
     return left, top, right, bottom
 
 
-def _span(start: float, end: float, cells: int, least: int) -> tuple[int, int]:
-    """Return first and last cell of an extent, grown to `least` cells and kept inside."""
-    first = min(max(int(start), 0), cells - 1)
-    last = min(max(int(np.ceil(end)) - 1, first), cells - 1)
-    missing = least - (last - first + 1)
-    if missing > 0:
-        first = max(0, first - missing // 2)
-        last = min(cells - 1, first + least - 1)
-        first = max(0, last - least + 1)
-    return first, last
+def _span(start: float, end: float, cells: int) -> tuple[int, int]:
+    """Return the cells before and after an extent, kept inside."""
+    first = min(max(math.floor(start) - 1, 0), cells - 1)
+    last = max(min(math.ceil(end), cells - 1), 0)
+    return first, max(first, last)
 
 
 def with_box(cells: Cells, edge: Rectangle, label: str, *, ascii_only: bool = False) -> Cells:

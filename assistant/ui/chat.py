@@ -16,6 +16,7 @@ from textual.message import Message
 from textual.screen import Screen
 from textual.widgets import Footer, Static
 
+from assistant.english import ago
 from assistant.session import Session
 from assistant.terminal import clean, width_of
 from assistant.ui.floor import Floor
@@ -24,7 +25,7 @@ from assistant.ui.panels import FloorView, Timeline, exchange
 from assistant.ui.picture import Kind, PictureView, Shot, caption
 from assistant.ui.prompt import Prompt
 from assistant.ui.sheets import Sheet
-from assistant.wording import ago, from_ms, short_time
+from assistant.wording import from_ms, short_time
 from d3a.answer import Answer, RankedKeyframe
 
 EXCHANGES_KEPT = 50

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     from d3a.answer import RankedKeyframe
 
-_LIMITS = (16, 18, 28, 11, 15)
+_LIMITS = (16, 18, 36, 11, 15)
 """The widest a column may be: what, when, where, how sure, how often."""
 
 

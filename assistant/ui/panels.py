@@ -27,18 +27,17 @@ def exchange(answer: Answer) -> Text:
     text = Text(f"You: {clean(answer.text)}\n", style="dim")
     sentence = clean(answer.answer or answer.message or "")
     text.append(sentence, style="not dim bold")
-    notes = [more_words(answer)]
+    more = more_words(answer)
+    if more:
+        text.append(f" {more}", style="not dim")
+    notes = []
     if answer.message and answer.message not in (answer.answer, ""):
         notes.append(clean(answer.message))
-    if answer.unjudged:
-        notes.append(f"Not judged: {clean(', '.join(answer.unjudged))}.")
     if answer.otherwise is not None and not answer.keyframes:
         notes.append("Below: the nearest that I did see.")
     elif answer.suggestions and not answer.keyframes:
         notes.append("Did you mean (Down and Enter):")
-    if any(notes):
-        text.append("\n" + "\n".join(note for note in notes if note), style="not dim")
-    return text
+    return text.append("".join(f"\n{note}" for note in notes), style="not dim")
 
 
 class FloorView(Widget):

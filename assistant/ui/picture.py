@@ -52,7 +52,7 @@ def caption(shot: Shot | None, count: int, now: datetime, *, whole: bool, width:
     if shot is None:
         return ""
     keyframe = shot.keyframe
-    view = "whole picture" if whole else "crop; Enter: whole picture"
+    view = "whole picture" if whole else "crop; Enter: whole"
     where = clean(f"{keyframe.category}, {place_words(keyframe)}")
     words = (
         f"Picture {keyframe.rank} of {count}  {where}, {short_time(keyframe.end, now)}  ({view})"

@@ -94,21 +94,23 @@ def test_the_box_is_drawn_on_whole_cells(ascii_only: bool) -> None:
     image = Image.new("RGB", (320, 180), (128, 128, 128))
     cells = render(image, (0, 0, 320, 180), 64, 18, ascii_only=ascii_only)
     edge = box_cells((80, 60, 160, 120), (0, 0, 320, 180), cells.size)
-    assert edge == (16, 6, 31, 11)
+    assert edge == (15, 5, 32, 12)
     drawn = with_box(cells, edge, "keys", ascii_only=ascii_only)
     rows = ["".join(row) for row in drawn.glyphs]
     corners = "++++" if ascii_only else "┏┓┗┛"
-    assert rows[6][16] + rows[6][31] + rows[11][16] + rows[11][31] == corners
-    assert " keys " in rows[6]
-    assert tuple(drawn.ink[8, 16]) == BOX_INK
-    assert tuple(drawn.ink[8, 20]) != BOX_INK
+    assert rows[5][15] + rows[5][32] + rows[12][15] + rows[12][32] == corners
+    assert " keys " in rows[5]
+    assert tuple(drawn.ink[8, 15]) == BOX_INK
+    np.testing.assert_array_equal(drawn.ink[6:12, 16:32], cells.ink[6:12, 16:32])  # uncovered
     assert "keys" not in "".join(map("".join, cells.glyphs))  # the picture itself is untouched
 
 
 def test_a_speck_still_gets_a_box() -> None:
-    assert box_cells((319, 179, 320, 180), (0, 0, 320, 180), (64, 18)) == (61, 16, 63, 17)
+    assert box_cells((319, 179, 320, 180), (0, 0, 320, 180), (64, 18)) == (62, 16, 63, 17)
+    assert box_cells((100, 100, 101, 101), (0, 0, 320, 180), (64, 18)) == (19, 9, 21, 11)
     assert box_cells((400, 0, 410, 10), (0, 0, 320, 180), (64, 18)) is None
     assert box_cells((0, 0, 1, 1), (0, 0, 320, 180), (2, 1)) == (0, 0, 1, 0)
+    assert box_cells((-50, -50, 900, 900), (0, 0, 320, 180), (64, 18)) == (0, 0, 63, 17)
 
 
 def test_a_label_that_does_not_fit_is_left_out() -> None:
