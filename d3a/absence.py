@@ -25,8 +25,8 @@ from d3a.sightings import Metres, Scene
 Floats = NDArray[np.float64]
 PATCH, PATCH_MOST = 3, 40
 """Half the side, in pixels, of the patch of depth that is looked at, at least and at most."""
-NEAREST_SHARE = 10
-"""Per cent of a patch's depths that may be nearer than the thing's place without being it."""
+NEAREST_SHARE = 0.1
+"""Share of a patch's depths that may be as near as the thing's place without being it."""
 SURE_M = 1.0
 """A place whose position may err by more than this (one sigma) cannot be looked at."""
 SEEN_THROUGH_ODDS = 2.5
@@ -94,10 +94,13 @@ class Absence:
         sigma = np.sqrt((np.trace(positions.spread, axis1=1, axis2=2) + shared) / 3)
         for row in np.flatnonzero(visible & (sigma <= SURE_M)).tolist():
             thing, place = positions.owners[row]
+            glance = self._glance(thing, place)
             u, v, away = float(seen.u[row]), float(seen.v[row]), float(seen.depth_m[row])
-            self._glance(thing, place).add(
-                *self._depth(scene, u, v, away, float(sigma[row])), _is_familiar(place, eye, away)
-            )
+            familiar = _is_familiar(place, eye, away)
+            if glance.found:  # then what depth says of it is not asked
+                glance.add(False, False, familiar)
+            else:
+                glance.add(*self._depth(scene, u, v, away, float(sigma[row])), familiar)
 
     def _depth(
         self, scene: Scene, u: float, v: float, away_m: float, sigma_m: float
@@ -111,21 +114,21 @@ class Absence:
         wide = PATCH + round(2 * sigma_m * scene.camera.fx / away_m)
         middle = _patch(scene.depth, u, v, PATCH)
         around = _patch(scene.depth, u, v, wide) if wide <= PATCH_MOST else None
-        hidden = middle is not None and float(np.median(middle)) < away_m - margin
-        through = around is not None and bool(
-            np.percentile(around, NEAREST_SHARE) > away_m + self._parameters.seen_through_m
-        )
+        hidden = middle is not None and _share(middle, away_m - margin) > 0.5
+        limit = away_m + self._parameters.seen_through_m
+        through = around is not None and _share(around, limit) < NEAREST_SHARE
         return hidden, through
 
     def _glance(self, thing: Known, place: Place) -> Glance:
         return self._glances.setdefault((thing.number, place.number), Glance(thing, place))
 
-    def end_look(self) -> list[tuple[Known, Place]]:
-        """Judge the look that ended; return the places that it shows to be empty now.
+    def end_look(self) -> tuple[list[Known], list[Known]]:
+        """Judge the look that ended; return the things that left a place, and those missed.
 
         Updates evidence, chances and `last_absent_ms` of every place that was in view.
         """
-        emptied = []
+        left: list[Known] = []
+        missed: list[Known] = []
         for key in sorted(self._glances):
             glance = self._glances[key]
             thing, place = glance.thing, glance.place
@@ -133,12 +136,18 @@ class Absence:
                 continue
             if glance.found:
                 self._found(glance)
-            elif 2 * glance.through > glance.frames - glance.hidden:
-                emptied += self._missed(glance, SEEN_THROUGH_ODDS)
+                continue
+            if 2 * glance.through > glance.frames - glance.hidden:
+                odds = SEEN_THROUGH_ODDS
             elif glance.familiar:
-                emptied += self._missed(glance, -math.log(1 - self._chance(place)))
+                odds = -math.log(1 - self._chance(place))
+            else:
+                continue
+            missed.append(thing)
+            if self._missed(glance, odds):
+                left.append(thing)
         self._glances.clear()
-        return emptied
+        return left, missed
 
     def _chance(self, place: Place) -> float:
         """Return how likely the thing would have been found, were it there."""
@@ -158,7 +167,8 @@ class Absence:
         if place.last_absent_ms is not None:
             place.last_absent_ms, thing.dirty = None, True
 
-    def _missed(self, glance: Glance, odds: float) -> list[tuple[Known, Place]]:
+    def _missed(self, glance: Glance, odds: float) -> bool:
+        """Count a miss; say whether the place is seen to be empty now, and was not before."""
         thing, place = glance.thing, glance.place
         if thing.seen > self._parameters.confirm_sightings and place.last_absent_ms is None:
             self._relooked += 1
@@ -166,11 +176,11 @@ class Absence:
         place.chances += 1
         place.misses += 1
         if place.evidence < self._parameters.absent_odds:
-            return []
+            return False
         first = place.last_absent_ms is None
         place.last_absent_ms = self._end_ms
         thing.dirty = True
-        return [(thing, place)] if first else []
+        return first
 
     def to_state(self) -> Json:
         """Return the look that is going on as JSON."""
@@ -203,6 +213,11 @@ def _is_familiar(place: Place, eye: Floats, away_m: float) -> bool:
     near_m = max(FAMILIAR_M, FAMILIAR_SHARE * away_m)
     x, y, z = eye.tolist()
     return any(math.dist((x, y, z), side) <= near_m for side in place.seen_from)
+
+
+def _share(depths: Metres, limit_m: float) -> float:
+    """Return the share of depths that are nearer than a limit."""
+    return float(np.count_nonzero(depths < limit_m)) / len(depths)
 
 
 def _patch(depth: Metres | None, u: float, v: float, half: int) -> Metres | None:

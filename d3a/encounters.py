@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, replace
+from dataclasses import fields, replace
 from itertools import combinations
 
 from d3a.ledger import Ledger
@@ -13,6 +13,7 @@ from d3a.sightings import FrameRef
 from d3a.store.base import Encounter, StayKey
 
 Pair = tuple[StayKey, StayKey]
+_FIELDS = tuple(f.name for f in fields(Encounter))
 
 
 class Encounters:
@@ -83,7 +84,8 @@ class Encounters:
 
     def to_state(self) -> Json:
         """Return the open encounters as JSON."""
-        return {"open": [asdict(self._open[pair]) for pair in sorted(self._open)]}
+        kept = (self._open[pair] for pair in sorted(self._open))
+        return {"open": [{name: getattr(each, name) for name in _FIELDS} for each in kept]}
 
     def restore(self, record: Json) -> None:
         """Go on where `to_state` was called."""

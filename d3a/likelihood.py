@@ -114,21 +114,21 @@ class CategoryModel:
         total = self.counts.total() + prior * kinds
         return (self.counts[category] + prior) / total
 
-    def ratio(self, category: str, votes: Mapping[str, float]) -> float:
-        """Return the evidence of a category, given what a thing was called before.
+    def ratios(self, categories: Sequence[str], votes: Sequence[Mapping[str, float]]) -> Floats:
+        """Return the evidence of each detection's category for each thing, (n, m).
 
         A share `confusion` of detections carries a wrong category, drawn by frequency.
         """
-        common = self.frequency(category)
-        total = sum(votes.values())
-        share = votes.get(category, 0.0) / total if total > 0 else common
         wrong = self.parameters.confusion
-        return math.log(((1 - wrong) * share + wrong * common) / common)
-
-    def ratios(self, categories: Sequence[str], votes: Sequence[Mapping[str, float]]) -> Floats:
-        """Return the evidence of each detection's category for each thing, (n, m)."""
-        rows = [[self.ratio(category, each) for each in votes] for category in categories]
-        return np.array(rows, dtype=np.float64).reshape(len(categories), len(votes))
+        totals = [sum(each.values()) for each in votes]
+        rows = {}
+        for category in set(categories):
+            common = self.frequency(category)
+            named = zip(votes, totals, strict=True)
+            share = np.array([v.get(category, 0.0) / t if t > 0 else common for v, t in named])
+            rows[category] = np.log(((1 - wrong) * share + wrong * common) / common)
+        stacked = [rows[category] for category in categories]
+        return np.array(stacked, dtype=np.float64).reshape(len(categories), len(votes))
 
 
 def mahalanobis(residuals: Floats, covariances: Floats) -> tuple[Floats, Floats]:

@@ -136,6 +136,8 @@ class Matcher:
     def match(self, observed: Observed, time_ms: int, pose: Pose | None) -> list[Match]:
         """Return for each observed thing what it is; updates the frame's offset."""
         self.offset.predict(time_ms, pose)
+        if not observed.things:
+            return []
         rows = self._gate(observed)
         things = self._candidates(observed, rows)
         if not things:
@@ -163,12 +165,13 @@ class Matcher:
         positions = self._memory.positions
         if len(positions.owners) == 0:
             return np.empty(0, dtype=np.intp)
-        spread = np.trace(positions.spread, axis1=1, axis2=2)
-        noise = np.trace(observed.noise + self.offset.covariance, axis1=1, axis2=2)
+        axes = (0, 1, 2)
+        spread = positions.spread[:, axes, axes]
+        noise = (observed.noise + self.offset.covariance)[:, axes, axes]
         away = (observed.places - self.offset.mean)[:, None] - positions.mean[None]
-        squared = np.einsum("nkj,nkj->nk", away, away)
+        # Along each axis alone: no pair within the gate is outside of this, and it is quick.
         reach = self._parameters.gate_sigmas**2 * (noise[:, None] + spread[None])
-        rows = np.flatnonzero(np.any(squared <= reach, axis=0)).tolist()
+        rows = np.flatnonzero(np.any(np.all(away**2 <= reach, axis=2), axis=0)).tolist()
         owners = positions.owners
         rows.sort(key=lambda row: (owners[row][0].number, owners[row][1].number))
         return np.array(rows, dtype=np.intp)
@@ -187,9 +190,10 @@ class Matcher:
     def _category(self, observed: Observed, things: list[Known]) -> Floats:
         """Return the evidence of category, (n, m); of a thing named twice one name may agree."""
         votes = [thing.votes for thing in things]
-        named = [[vote[0] for vote in thing.votes] for thing in observed.things]
-        rows = [self._categories.ratios(names, votes).max(axis=0) for names in named]
-        return np.array(rows).reshape(len(named), len(things))
+        names = [name for thing in observed.things for name, _ in thing.votes]
+        ratios = self._categories.ratios(names, votes)
+        starts = np.cumsum([0, *(len(thing.votes) for thing in observed.things)])[:-1]
+        return np.asarray(np.maximum.reduceat(ratios, starts, axis=0))
 
     def _look(self, observed: Observed, things: list[Known]) -> tuple[Floats, Floats | None]:
         """Return the evidence of look, (n, m), and the cosines it comes from, NaN if unknown."""
@@ -210,17 +214,23 @@ class Matcher:
         at = np.full(place.shape, -1, dtype=np.intp)
         if len(rows):
             ratios = self._place_ratios(observed, rows)
+            owners = self._memory.positions.owners
             number = {thing.number: column for column, thing in enumerate(things)}
-            for k, row in enumerate(rows.tolist()):
-                column = number[self._memory.positions.owners[row][0].number]
-                better = ratios[:, k] > place[:, column]
-                place[better, column] = ratios[better, k]
-                at[better, column] = row
+            columns = np.array([number[owners[row][0].number] for row in rows.tolist()])
+            first = np.r_[True, columns[1:] != columns[:-1]]  # rows are by thing
+            place[:, columns[first]] = ratios[:, first]
+            at[:, columns[first]] = rows[first]
+            for k in np.flatnonzero(~first).tolist():  # further places of a thing that moved
+                better = ratios[:, k] > place[:, columns[k]]
+                place[better, columns[k]] = ratios[better, k]
+                at[better, columns[k]] = rows[k]
         nowhere = np.isnan(observed.places[:, 0])
-        place[nowhere] = 0.0
-        at[nowhere] = -1
+        if nowhere.any():
+            place[nowhere] = 0.0
+            at[nowhere] = -1
         placeless = [j for j, thing in enumerate(things) if all(p.row < 0 for p in thing.places)]
-        place[:, placeless] = 0.0
+        if placeless:
+            place[:, placeless] = 0.0
         return place, at
 
     def _learn(

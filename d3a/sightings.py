@@ -8,7 +8,7 @@ of equals (paper, Tier 2).
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -144,7 +144,7 @@ class Interval:
 
     def to_json(self) -> Json:
         """Return the fields as JSON."""
-        return asdict(self)
+        return {name: getattr(self, name) for name in INTERVAL_FIELDS}
 
     @classmethod
     def from_json(cls, record: Json) -> Interval:
@@ -153,6 +153,9 @@ class Interval:
         viewer = record["viewer"]
         parts = {"box": (x1, y1, x2, y2), "viewer": None if viewer is None else tuple(viewer)}
         return cls(**(record | parts))
+
+
+INTERVAL_FIELDS = tuple(f.name for f in fields(Interval))
 
 
 def joined(intervals: Iterable[Interval], parameters: Parameters) -> list[Interval]:

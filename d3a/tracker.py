@@ -148,17 +148,16 @@ class TrackerPipeline:
 
     def end_look(self) -> None:
         """Judge the look that ended: what was missing, what expires, what was moved."""
-        emptied = self._absence.end_look()
-        self._expire()
-        if emptied or self._confirmed_since:
+        left, missed = self._absence.end_look()
+        self._expire(missed)
+        if left or self._confirmed_since:
             self._confirmed_since = False
             self._link()
 
-    def _expire(self) -> None:
+    def _expire(self, missed: list[Known]) -> None:
         """Drop tentative things that were not there in several looks that should show them."""
         parameters = self._parameters
-        for number in sorted(self._memory.things):
-            thing = self._memory.things[number]
+        for thing in missed:
             if thing.seen >= parameters.confirm_sightings or thing.names:
                 continue
             if all(place.misses >= parameters.expire_chances for place in thing.places):
