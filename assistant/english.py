@@ -88,12 +88,19 @@ def day_of(moment: datetime, now: datetime) -> str:
 
 
 def ago(moment: datetime, now: datetime) -> str:
-    """Return how long ago, in real time and one unit: "20 minutes ago", "9 hours ago"."""
+    """Return how long ago, in one unit: "20 minutes ago", "9 hours ago", "3 days ago".
+
+    In real time, whatever the clocks did in between; from two days on, in days of the calendar,
+    so that it agrees with the weekday said beside it.
+    """
     seconds = (now.astimezone(UTC) - moment.astimezone(UTC)).total_seconds()
     if seconds < 0:
         return "after the time you ask at"
     if seconds < 60:
         return "just now"
+    days = (now.date() - moment.astimezone(now.tzinfo).date()).days
+    if 2 * 86400 <= seconds < 60 * 86400:
+        return f"{days} days ago"
     return f"{duration(seconds)} ago"
 
 
@@ -102,7 +109,7 @@ def duration(seconds: float) -> str:
     steps = (
         ("second", 1.0, 60.0),
         ("minute", 60.0, 3600.0),
-        ("hour", 3600.0, 36 * 3600.0),
+        ("hour", 3600.0, 48 * 3600.0),
         ("day", 86400.0, 60 * 86400.0),
         ("month", 30.44 * 86400.0, 24 * 30.44 * 86400.0),
         ("year", 365.25 * 86400.0, float("inf")),

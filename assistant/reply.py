@@ -26,6 +26,7 @@ from assistant.english import (
 )
 from assistant.wording import how_sure
 from d3a.answer import Answer, RankedKeyframe
+from d3a.colours import is_colour
 from grammar import vocabulary
 from grammar.forms import ANYTHING, Ask, FormalQuery, ObjectTerm
 
@@ -69,7 +70,10 @@ def noun_of(term: ObjectTerm) -> str:
 
 def described(term: ObjectTerm, unjudged: tuple[str, ...] = (), *, noun: str | None = None) -> str:
     """Return noun and attributes, without those that nobody judged: "orange bowl"."""
-    words = [word for word in term.attributes if not any(word in u.split() for u in unjudged)]
+    words = [word for word in term.attributes if word not in unjudged]
+    for i in range(len(words) - 1, 0, -1):
+        if is_colour(words[i - 1]) and is_colour(words[i]):
+            words.insert(i, "and")
     said = " ".join([*words, noun or noun_of(term)])
     without = [word for word in term.without if f"not {word}" not in unjudged]
     return f"{said} that is not {listed(without)}" if without else said
@@ -157,7 +161,15 @@ def _since(keyframe: RankedKeyframe, now: datetime) -> str:
     return f"When I looked there again {day_of(local, now)} at {clock(local)}, it was gone."
 
 
+def _is_open(query: FormalQuery) -> bool:
+    """Whether the kinds found are news: anything was asked for, or several things at once."""
+    several = query.relation is None and len(query.objects) > 1
+    return several or _term(query).category == ANYTHING
+
+
 def _whether(answer: Answer, query: FormalQuery, now: datetime) -> str:
+    if _is_open(query):
+        return f"{'No, there was:' if query.negated else 'Yes.'} {_what(answer, query, now)}"
     words, condition = _found_words(answer, query), _condition(answer, query)
     thing = indefinite(_term(query), words)
     heads, newest = _heads(answer), _newest(answer)
@@ -205,7 +217,8 @@ def _where(answer: Answer, query: FormalQuery, now: datetime) -> str:
 def _usual(answer: Answer, query: FormalQuery) -> str:
     term = _term(query)
     spots = []
-    for keyframe in _heads(answer)[:3]:
+    best = answer.keyframes[0].object_id
+    for keyframe in [k for k in _heads(answer) if k.object_id == best][:3]:
         share = round(100 * keyframe.why.get("share", 1.0))
         spots.append(f"{where_words(keyframe) or 'a place I cannot name'} ({share} %)")
     thing = definite(term, _found_words(answer, query))
@@ -289,9 +302,11 @@ def _missing(answer: Answer, query: FormalQuery, now: datetime) -> str:
 
 def _sureness(answer: Answer, query: FormalQuery) -> str:
     """Return how sure the best keyframe is, in words with the reason."""
+    best, quantity = answer.keyframes[0], _term(query).quantity
     if query.ask not in ("whether", "where", "when") or query.select == "usual":
         return ""
-    best = answer.keyframes[0]
+    if _is_open(query) or (quantity is not None and answer.count < quantity):
+        return ""
     views = int(best.why.get("views", best.seen))
     band = how_sure(best)
     said = "This is a guess" if band == "a guess" else f"I am {band}"
@@ -308,13 +323,13 @@ def _unjudged(answer: Answer) -> str:
 
 
 def _refusal(answer: Answer, query: FormalQuery, now: datetime) -> str:
-    term = _term(query)
+    term = _refused_term(answer, query)
     words = described(term, answer.unjudged)
     opening = "That is right: " if query.negated and query.ask == "whether" else ""
     if answer.reason == "empty":
         return "My memory is empty: nothing was stored yet."
     if answer.status == "unknown_object":
-        return _unknown(answer, query)
+        return opening + _unknown(answer, term)
     none = "anything" if term.category == ANYTHING else indefinite(term, words)
     condition = _condition(answer, query)
     told = f"{opening}I never saw {none}{condition}."
@@ -338,14 +353,16 @@ def _refusal(answer: Answer, query: FormalQuery, now: datetime) -> str:
 def _instead(other: RankedKeyframe, answer: Answer, query: FormalQuery, now: datetime) -> str:
     where = where_words(other)
     there = f", {where}" if where else ""
+    if _refused_term(answer, query) != _term(query) and answer.reason == "never":
+        kind = article(vocabulary.canonical(other.category))
+        return f"I did see {kind} {when(other.end, now)}{there}."
     pronoun = "some" if is_many(_term(query).word) else "one"
     opening = "I saw" if answer.reason == "not_then" else "I last saw"
     return f"{opening} {pronoun} {when(other.end, now)}{there}."
 
 
-def _unknown(answer: Answer, query: FormalQuery) -> str:
-    unknown = _unknown_term(answer, query)
-    word = noun_of(unknown)
+def _unknown(answer: Answer, term: ObjectTerm) -> str:
+    word = noun_of(term)
     if answer.reason == "not_recognisable":
         told = f"I cannot recognise {plural(word)}: the detector of this memory has no such word."
     else:
@@ -354,10 +371,11 @@ def _unknown(answer: Answer, query: FormalQuery) -> str:
     return f"{told} I know {listed(known)}." if known else told
 
 
-def _unknown_term(answer: Answer, query: FormalQuery) -> ObjectTerm:
-    """Return the term that is unknown: the message quotes it where it is not the first."""
+def _refused_term(answer: Answer, query: FormalQuery) -> ObjectTerm:
+    """Return the object that a no is about: the message quotes it where it is not the first."""
     message = answer.message or ""
-    return next((t for t in query.objects if f"“{t.word}”" in message), _term(query))
+    quoted = (t for t in query.objects if f"“{' '.join((*t.attributes, t.word))}”" in message)
+    return next(quoted, _term(query))
 
 
 _ASKED: dict[Ask, Callable[[Answer, FormalQuery, datetime], str]] = {

@@ -31,6 +31,7 @@ from d3a.parameters import Parameters
 from d3a.places import last_look, probability_inside
 from d3a.plan import (
     Cover,
+    DropGone,
     ExplainEmpty,
     FilterPlace,
     FindEdge,
@@ -95,6 +96,8 @@ def _take(run: Run, step: Step) -> None:
             _find_edge(run, step)
         case FindStays():
             _find_stays(run, step)
+        case DropGone():
+            _drop_gone(run, step)
         case FilterPlace():
             _filter_place(run, step)
         case Relate():
@@ -109,7 +112,7 @@ def _take(run: Run, step: Step) -> None:
             pass  # `conclude` counts what is left, once it is known to be something
         case Rank():
             run.ranked = rank(
-                run.answering(step.var),
+                [moment for var in step.vars for moment in run.answering(var)],
                 step.select,
                 spread=step.spread,
                 unjudged=len(run.unjudged),
@@ -121,8 +124,7 @@ def _take(run: Run, step: Step) -> None:
         case Cover():
             _cover(run, step)
         case ExplainEmpty():
-            if not run.ranked:
-                explain_empty(run, step)
+            explain_empty(run, step)
         case _:
             assert_never(step)
 
@@ -193,6 +195,17 @@ def _find_stays(run: Run, step: FindStays) -> None:
         table.stays = {stay.key: stay for stay in run.store.stays(object_ids=ids)}
 
 
+def _drop_gone(run: Run, step: DropGone) -> None:
+    at = milliseconds(step.at)
+    table = run.found[step.var]
+    for sighting in list(table.sightings):
+        stay = table.stays.get(sighting.stay)
+        absent = stay.last_absent_ms if stay is not None else None
+        if absent is not None and at is not None and sighting.end_ms < absent <= at:
+            table.sightings.remove(sighting)
+            table.gone.append(sighting)
+
+
 def _filter_place(run: Run, step: FilterPlace) -> None:
     region = run.region(step.place)
     table = run.found[step.var]
@@ -200,7 +213,7 @@ def _filter_place(run: Run, step: FilterPlace) -> None:
     if region is None or (stays and all(stay.position is None for stay in stays)):
         run.leave_out(f"in the {step.place}")
         return
-    run.before_place = run.answering(step.var)
+    run.before_place[step.var] = run.answering(step.var)
     inside = probability_inside(region, stays)
     for stay, p in zip(stays, inside, strict=True):
         if p == p:  # a stay without a position is in no room: it cannot be told
@@ -225,7 +238,7 @@ def _relate(run: Run, step: Relate) -> None:
     if not all(one.judged for one in found):
         run.leave_out(run.relation_words(step, [run.term(var) for var in step.vars[1:]]))
         return
-    run.before_relation = run.answering(step.vars[0])
+    run.before_relation[step.vars[0]] = run.answering(step.vars[0])
     if step.keep == "figure":
         held = holders(found[0])
         wanted = {

@@ -26,7 +26,8 @@ class Found:
 
     candidates: by object id. place: how likely a sighting lies in the asked region.
     held: how likely the relation that describes the object ever held for a stay.
-    refused: what the word means, but not the attributes.
+    refused: what the word means, but not the attributes. gone: sightings that no longer held at
+    the moment asked for.
     known: whether a category, a taught name or a detector's class knows the word.
     """
 
@@ -37,6 +38,7 @@ class Found:
     held: dict[StayKey, float] = field(default_factory=dict)
     known: bool = True
     refused: list[Candidate] = field(default_factory=list)
+    gone: list[Sighting] = field(default_factory=list)
 
     @property
     def ids(self) -> list[str]:

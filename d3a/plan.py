@@ -80,6 +80,14 @@ class FindStays:
 
 
 @dataclass(frozen=True, slots=True)
+class DropGone:
+    """Drop sightings whose place had been seen without the object by the moment asked for."""
+
+    var: str
+    at: datetime
+
+
+@dataclass(frozen=True, slots=True)
 class FilterPlace:
     """Keep sightings of `var` inside of the named region; outside of it where negated."""
 
@@ -146,10 +154,10 @@ class Rank:
     """Order the moments by probability of correctness, or by time where the question says so.
 
     spread: a second keyframe of the same object and place counts half, so that near-duplicates
-    do not fill the list.
+    do not fill the list. vars: more than one where several objects are asked for at once.
     """
 
-    var: str
+    vars: tuple[str, ...]
     select: Select
     spread: bool
 
@@ -177,9 +185,12 @@ class Cover:
 
 @dataclass(frozen=True, slots=True)
 class ExplainEmpty:
-    """Where nothing is left: find out why, and the nearest keyframe outside of slice or place."""
+    """Where nothing is left: find out why, and the nearest keyframe outside of slice or place.
 
-    var: str
+    vars: the objects that must all have been seen, where each is asked for on its own.
+    """
+
+    vars: tuple[str, ...]
     time: TimeSlice | None = None
     place: str | None = None
 
@@ -190,6 +201,7 @@ Step = (
     | FindSightings
     | FindEdge
     | FindStays
+    | DropGone
     | FilterPlace
     | Relate
     | KeepMissing
@@ -240,18 +252,21 @@ def plan(
     var = names[0]
     if query.place is not None:
         negated = polarity and query.relation is None
-        steps.append(FilterPlace(var, query.place, negated))
+        placed = names if query.relation is None else (var,)
+        steps += [FilterPlace(name, query.place, negated) for name in placed]
     if query.relation is not None and len(names) > 1:
         negated = query.relation.negated != polarity
         steps.append(_relate(query, names, negated))
-    steps += _keep_steps(query, var)
+    kept = _keep_steps(query, var)
+    steps += kept
     if _wants_the_last(query):
         steps.append(FindLaterNames(var))
     steps.append(Measure(query.ask, var, objects[0].quantity))
-    steps.append(Rank(var, query.select, spread=_spreads(query)))
+    alone = names if query.relation is None and not kept else (var,)
+    steps.append(Rank(alone, query.select, spread=_spreads(query)))
     steps.append(FindLandmarks(var))
     steps.append(Cover(query.place))
-    steps.append(ExplainEmpty(var, query.time, query.place))
+    steps.append(ExplainEmpty(alone, query.time, query.place))
     return Plan(query, tuple(steps))
 
 
@@ -279,6 +294,8 @@ def _term_steps(
         start, end = (query.time.start, query.time.end) if query.time else (None, None)
         steps.append(FindSightings(var, start, end))
     steps.append(FindStays(var))
+    if query.time is not None and query.time.is_point and query.time.start is not None:
+        steps.append(DropGone(var, query.time.start))
     if term.where is not None:
         inner = f"{var}.1"
         steps += _term_steps(term.where.object, inner, query, precision)

@@ -30,7 +30,7 @@ _WORDS = {
 class Run:
     """One walk over a plan. Steps read and narrow `found`; `moments` is None until joined.
 
-    before_place, before_relation: the moments that a place or a relation then refused.
+    before_place, before_relation: by variable, the moments that a place or relation then sifted.
     unjudged: conditions left out, in the order of the question, none twice.
     """
 
@@ -43,8 +43,8 @@ class Run:
     moments: list[Moment] | None = None
     ranked: list[Ranked] = field(default_factory=list)
     unjudged: list[str] = field(default_factory=list)
-    before_place: list[Moment] = field(default_factory=list)
-    before_relation: list[Moment] = field(default_factory=list)
+    before_place: dict[str, list[Moment]] = field(default_factory=dict)
+    before_relation: dict[str, list[Moment]] = field(default_factory=dict)
     last_looked_ms: int | None = None
     landmarks: Landmarks | None = None
     status: Status = "found"

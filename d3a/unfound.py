@@ -9,41 +9,71 @@ from d3a.plan import ExplainEmpty
 from d3a.rank import rank
 from d3a.run import Run, milliseconds
 from d3a.store.base import Sighting
+from grammar.forms import ObjectTerm
 
 
 def explain_empty(run: Run, step: ExplainEmpty) -> None:
-    """Set status, reason, the keyframe to tell instead, and suggestions of a run without finds."""
+    """Set status, reason, the keyframe to tell instead, and suggestions of a run without finds.
+
+    "Did you see the cup and the bowl?" is a no when either was not seen: the other is told.
+    """
+    unseen = [var for var in step.vars if not run.answering(var)]
+    if run.ranked and not (unseen and run.query.ask == "whether"):
+        return
     run.status = "not_found"
+    best = run.ranked[0].moment if run.ranked else None
+    run.ranked = []
     if not run.categories():
         run.reason = "empty"
         return
-    for term in run.query.objects:
-        if not run.found[term.var].known and (term is run.query.objects[0] or _needed(run)):
+    var = unseen[0] if unseen else step.vars[0]
+    _say_which(run, var)
+    for name, term in zip(_needed(run, var), _terms(run, var), strict=True):
+        if not run.found[name].known:
             _unknown(run, term.category, term.word)
-            if term is not run.query.objects[0]:
-                run.message = f"“{term.word}” is neither a category nor a taught name here."
+            _say_which(run, name)
             return
-    figure = run.found[step.var]
-    if not figure.candidates:
-        run.reason = "never"
+    _why(run, step, var)
+    run.otherwise = run.otherwise or best
+    run.find_landmarks()
+
+
+def _why(run: Run, step: ExplainEmpty, var: str) -> None:
+    """Set the reason of a no for a variable whose word is known, and what to tell instead."""
+    run.reason = "never"
+    if run.query.ask in ("moved", "missing") or not run.found[var].candidates:
         return
-    if run.before_relation or run.before_place:
+    if run.found[var].gone:
+        run.reason = "gone"
+        run.otherwise = _newest([single(run.found[var], s) for s in run.found[var].gone])
+        return
+    sifted = run.before_relation.get(var) or run.before_place.get(var)
+    if sifted:
         run.reason = "not_there"
-        run.otherwise = _newest(run.before_relation or run.before_place)
-        run.find_landmarks()
+        run.otherwise = _newest(sifted)
         return
-    outside = _outside(run, step)
+    outside = _outside(run, step, var)
     if outside:
         run.reason = "not_then"
         run.otherwise = outside[0]
-        run.find_landmarks()
-        return
-    run.reason = "never"
 
 
-def _needed(run: Run) -> bool:
-    """Whether the query cannot be answered without its other objects."""
-    return run.query.relation is not None and run.query.relation.kind == "together"
+def _say_which(run: Run, var: str) -> None:
+    """Note which of several objects the no is about, as said."""
+    if len(run.query.objects) > 1 and var != run.query.objects[0].var:
+        term = run.term(var)
+        said = " ".join((*term.attributes, term.word))
+        run.message = f"The answer is about “{said}”."
+
+
+def _needed(run: Run, var: str) -> list[str]:
+    """Return the variables without which there is no answer: both of what was together."""
+    together = run.query.relation is not None and run.query.relation.kind == "together"
+    return [term.var for term in run.query.objects] if together else [var]
+
+
+def _terms(run: Run, var: str) -> list[ObjectTerm]:
+    return [run.term(name) for name in _needed(run, var)]
 
 
 def _unknown(run: Run, category: str, word: str) -> None:
@@ -63,11 +93,11 @@ def _newest(moments: Sequence[Moment]) -> Moment | None:
     return ordered[0].moment if ordered else None
 
 
-def _outside(run: Run, step: ExplainEmpty) -> list[Moment]:
+def _outside(run: Run, step: ExplainEmpty, var: str) -> list[Moment]:
     """Return sightings outside of the slice, the nearest in time first."""
     if step.time is None:
         return []
-    table = run.found[step.var]
+    table = run.found[var]
     start, end = milliseconds(step.time.start), milliseconds(step.time.end)
     found: list[Sighting] = []
     if start is not None:

@@ -16,7 +16,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from d3a.colours.names import BASIC, Floats, colours_of, encoded, linear
+from d3a.colours.names import BASIC, LUMINANCE, Floats, colours_of, encoded, linear, rest_of
 
 HISTOGRAM_SIZE = 512
 """8 x 8 x 8 bins of red, green, blue; the red is the slowest (see d3a.images)."""
@@ -87,20 +87,48 @@ def judge(colours: Sequence[str], embeddings: NDArray[np.float32], palette: Pale
     The alternatives are the eleven basic terms.
     """
     shares = as_shares(embeddings)
-    terms = _terms(palette.exposure)
-    asked = np.mean([_looks_like(colour, palette.exposure) for colour in colours], axis=0)
     around = palette.around(shares)
-    evidence = _evidence(shares, np.vstack([terms, asked[None, :]]), around)  # (n, 12)
-    basic = len(colours) == 1 and colours[0] in BASIC
-    if basic:
-        evidence = evidence[:, :-1]
-    column = BASIC.index(colours[0]) if basic else -1
+    rivals = _rivals(colours, palette.exposure)  # (k, 512)
+    blends = _blends([_looks_like(colour, palette.exposure) for colour in colours])  # (m, 512)
+    evidence = _evidence(shares, np.vstack([rivals, blends]), around)  # (n, k + m)
     weight = np.exp(evidence - evidence.max(axis=1, keepdims=True))
-    rivals = np.delete(weight, column, axis=1).max(axis=1)
+    others = weight[:, : len(rivals)]
+    asked = weight[:, len(rivals) :].mean(axis=1)  # shares of the parts are not known
     return Verdict(
-        probability=weight[:, column] / weight.sum(axis=1),
-        tenable=weight[:, column] >= LEAST_ODDS * rivals,
+        probability=asked / (asked + others.sum(axis=1)),
+        tenable=asked >= LEAST_ODDS * others.max(axis=1),
     )
+
+
+def _rivals(colours: Sequence[str], exposure: float) -> Floats:
+    """Return the looks of what the thing may be instead: the basic terms but for the asked.
+
+    A kind of a basic colour has the other kinds of it for a rival, not itself.
+    """
+    terms = _terms(exposure)
+    if len(colours) > 1:
+        return terms
+    colour = colours[0].replace("gray", "grey")
+    if colour in BASIC:
+        return np.delete(terms, BASIC.index(colour), axis=0)
+    rest = rest_of(colour)
+    if rest is None:
+        return terms
+    terms = terms.copy()
+    terms[BASIC.index(rest[0])] = _rest_looks_like(colour, exposure)
+    return terms
+
+
+def _blends(looks: Sequence[Floats]) -> Floats:
+    """Return a thing of parts in several proportions (m, 512); one colour is itself."""
+    if len(looks) == 1:
+        return looks[0][None, :]
+    even = np.full(len(looks), 1 / len(looks))
+    most = [
+        np.where(np.arange(len(looks)) == i, 0.75, 0.25 / (len(looks) - 1))
+        for i in range(len(looks))
+    ]
+    return np.stack([even, *most]) @ np.stack(looks)
 
 
 def _evidence(shares: Floats, looks: Floats, around: Floats) -> Floats:
@@ -131,7 +159,7 @@ def _exposure(total: Floats, count: int) -> float:
 
 def luminance(levels: Floats) -> Floats:
     """Return the luminance 0..1 of sRGB levels (n, 3)."""
-    return np.asarray(linear(levels) @ np.array([0.2126, 0.7152, 0.0722]))
+    return np.asarray(linear(levels) @ LUMINANCE)
 
 
 @lru_cache(maxsize=16)
@@ -146,6 +174,18 @@ def _looks_like(colour: str, exposure: float) -> Floats:
     colours = colours_of(colour)
     if colours is None:
         raise ValueError(f"{colour!r} is not a colour; ask is_colour first")
+    return _looks(colours, exposure)
+
+
+@lru_cache(maxsize=64)
+def _rest_looks_like(colour: str, exposure: float) -> Floats:
+    """Return the looks (512,) of the other kinds of the basic term that a colour is a kind of."""
+    rest = rest_of(colour)
+    assert rest is not None
+    return _looks(rest[1], exposure)
+
+
+def _looks(colours: Floats, exposure: float) -> Floats:
     looks = np.zeros((_BINS, _BINS, _BINS))
     for gloss in _GLOSS:
         light = np.array(_LIGHTS)[:, None, None] * (colours[None, :, :] + gloss) * exposure

@@ -58,6 +58,10 @@ _SHADES: dict[str, tuple[float, float]] = {
     "very": (1.0, 0.0),
     "medium": (0.8, 0.0),
 }
+_DARK = frozenset({"dark", "deep"})
+_LIGHT = frozenset({"light", "pale", "pastel"})
+LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
+"""Shares of linear red, green and blue in how bright a light looks (Rec. 709)."""
 
 
 def linear(rgb: Floats) -> Floats:
@@ -112,25 +116,49 @@ def colours_of(colour: str) -> Floats | None:
     """Return the colours (n, 3), linear light, that a colour word stands for; None for no colour.
 
     A basic term: every name that ends in it. Else the name itself and the names that hold all of
-    its words ("dark blue": "dark royal blue" too). Else a shade of what is left without it.
+    its words ("dark blue": "dark royal blue" too); a dark or light basic colour also takes in the
+    names of that term that are darker or lighter than most. Else a shade of what is left of it.
     """
     words = words_of(colour)
     if not words or words[-1] in _NOT_COLOURS or all(word in _SHADES for word in words):
         return None
-    names, colours = table()
-    if len(words) == 1 and words[0] in BASIC:
-        rows = [i for i, name in enumerate(names) if _head(name) == words[0]]
-    else:
-        asked = set(words)
-        rows = [i for i, name in enumerate(names) if _is_shade_of(name, words, asked)]
+    rows = _rows_of(words)
     if rows:
-        return linear(colours[rows])
+        return linear(table()[1][list(rows)])
     if words[0] in _SHADES and len(words) > 1:
         base = colours_of(" ".join(words[1:]))
         if base is not None:
             factor, white = _SHADES[words[0]]
             return np.asarray(np.clip(base * factor, 0, 1) * (1 - white) + white)
     return None
+
+
+def rest_of(colour: str) -> tuple[str, Floats] | None:
+    """Return the basic term that a colour is a kind of, and what else that term stands for.
+
+    "dark blue" is a kind of blue; the rest are the other blues. None for a colour of its own.
+    """
+    words = words_of(colour)
+    if len(words) < 2 or words[-1] not in BASIC:
+        return None
+    others = sorted(set(_rows_of((words[-1],))) - set(_rows_of(words)))
+    return (words[-1], linear(table()[1][others])) if others else None
+
+
+@lru_cache(maxsize=256)
+def _rows_of(words: tuple[str, ...]) -> tuple[int, ...]:
+    """Return the rows of the table that the words stand for, in order."""
+    names, colours = table()
+    if len(words) == 1 and words[0] in BASIC:
+        return tuple(i for i, name in enumerate(names) if _head(name) == words[0])
+    asked = set(words)
+    rows = {i for i, name in enumerate(names) if _is_shade_of(name, words, asked)}
+    if len(words) == 2 and words[1] in BASIC and words[0] in _DARK | _LIGHT:
+        kin = np.array(_rows_of(words[1:]))
+        light = linear(colours[kin]) @ LUMINANCE
+        middle = np.median(light)
+        rows |= set(kin[light < middle if words[0] in _DARK else light > middle].tolist())
+    return tuple(sorted(rows))
 
 
 def _head(name: Sequence[str]) -> str:

@@ -32,7 +32,7 @@ from tests.worlds.made import NOON
 CUP = ObjectTerm("cup", "mug", attributes=("pink",), owner="anna")
 BOWL = ObjectTerm("bowl")
 SLICE = TimeSlice(NOON, NOON + timedelta(hours=1))
-END = (FindLandmarks("x"), Cover(None), ExplainEmpty("x"))
+END = (FindLandmarks("x"), Cover(None), ExplainEmpty(("x",)))
 
 
 def test_q1_finds_judges_and_ranks() -> None:
@@ -43,7 +43,7 @@ def test_q1_finds_judges_and_ranks() -> None:
         FindSightings("x"),
         FindStays("x"),
         Measure("whether", "x"),
-        Rank("x", "all", spread=True),
+        Rank(("x",), "all", spread=True),
         *END,
     )
 
@@ -56,10 +56,10 @@ def test_q3_asks_for_the_slice_and_the_place() -> None:
         FindStays("x"),
         FilterPlace("x", "kitchen"),
         Measure("where", "x"),
-        Rank("x", "last", spread=False),
+        Rank(("x",), "last", spread=False),
         FindLandmarks("x"),
         Cover("kitchen"),
-        ExplainEmpty("x", SLICE, "kitchen"),
+        ExplainEmpty(("x",), SLICE, "kitchen"),
     )
 
 
