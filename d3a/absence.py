@@ -132,8 +132,6 @@ class Absence:
         for key in sorted(self._glances):
             glance = self._glances[key]
             thing, place = glance.thing, glance.place
-            if thing.row < 0:  # evicted or expired meanwhile
-                continue
             if glance.found:
                 self._found(glance)
                 continue
@@ -182,6 +180,11 @@ class Absence:
         thing.dirty = True
         return first
 
+    def forget(self, thing: Known) -> None:
+        """Forget what the look showed of a thing that leaves the memory."""
+        for place in thing.places:
+            self._glances.pop((thing.number, place.number), None)
+
     def to_state(self) -> Json:
         """Return the look that is going on as JSON."""
         glances = [
@@ -196,10 +199,9 @@ class Absence:
         self._end_ms = record["end_ms"]
         self._refound, self._relooked = record["again"]
         for number, place_number, *counted in record["glances"]:
-            thing = self._memory.things.get(number)
-            if thing is not None:
-                place = thing.place(place_number)
-                self._glances[number, place_number] = Glance(thing, place, *counted)
+            thing = self._memory.things[number]
+            place = thing.place(place_number)
+            self._glances[number, place_number] = Glance(thing, place, *counted)
 
 
 def _remember_side(place: Place, eye: Floats) -> None:

@@ -55,14 +55,12 @@ class Encounters:
             ledger.put_encounter(self._open[pair])
         self._dirty.clear()
 
-    def prune(self, now_ms: int) -> None:
-        """Forget what a pause has closed; it is written."""
+    def prune(self) -> None:
+        """Forget what a pause has closed, once it is written."""
+        newest = max((each.end_ms for each in self._open.values()), default=0)
         gap_ms = self._parameters.interval_gap_s * 1000
-        self._open = {
-            pair: each
-            for pair, each in self._open.items()
-            if now_ms - each.end_ms <= gap_ms or pair in self._dirty
-        }
+        kept = {p: e for p, e in self._open.items() if newest - e.end_ms <= gap_ms}
+        self._open = kept
 
     def forget(self, object_id: str) -> None:
         """Forget the encounters of an object that is no more."""

@@ -61,7 +61,9 @@ class TrackerPipeline:
         for i, match in enumerate(matches):
             thing, place = match if match is not None else self._born(observed, i, scene.ref)
             place = place if place is not None else self._newest(thing)
-            if match is not None and place.row >= 0 and not np.isnan(observed.places[i, 0]):
+            if place.row < 0:
+                self._settle(thing, place, observed, i)
+            elif match is not None and not np.isnan(observed.places[i, 0]):
                 moved.append((i, place))
             self._view(thing, place, found[i], observed, i, scene.ref)
             seen.append((thing, place))
@@ -71,6 +73,7 @@ class TrackerPipeline:
         for gone in self._recall.evict():
             self._encounters.write(self._ledger)
             self._encounters.forget(gone.object_id)
+            self._absence.forget(gone)
 
     def _fetch(self, observed: Observed, scene: Scene) -> None:
         noise = np.trace(observed.noise, axis1=1, axis2=2)
@@ -87,13 +90,16 @@ class TrackerPipeline:
         thing.places.append(place)
         self._memory.things[thing.number] = thing
         self._memory.looks.add(thing, None, 0.0)
+        return thing, place
+
+    def _settle(self, thing: Known, place: Place, observed: Observed, i: int) -> None:
+        """Give a place its first position, where this frame knows one."""
         where = observed.places[i]
         if not np.isnan(where[0]):
             offset = self._matcher.offset
             error = observed.noise[i] + offset.covariance
             self._memory.positions.add(thing, place, where - offset.mean, where, error)
             self._memory.positions.respread([place.row], self._parameters)
-        return thing, place
 
     def _view(
         self, thing: Known, place: Place, found: Thing, observed: Observed, i: int, ref: FrameRef
@@ -179,6 +185,7 @@ class TrackerPipeline:
         """Put what changed into the ledger, as ordinary records."""
         self._recall.write()
         self._encounters.write(self._ledger)
+        self._encounters.prune()
 
     def flush(self) -> None:
         """End a recording: everything is written, the memory is emptied."""
