@@ -14,7 +14,9 @@ from zoneinfo import ZoneInfo, available_timezones
 
 APP = "d3a"
 FILE = "d3a.toml"
-COLORS = ("auto", "always", "never")
+CHOICES = {"color": ("auto", "always", "never"), "pictures": ("cells", "ascii", "off")}
+HIDDEN = {"clock", "store_from"}
+"""Fields of Settings that no file may hold."""
 STORE_SCHEME = "sqlite:///"
 
 
@@ -28,6 +30,7 @@ class Settings:
 
     store: a path or URI, None for the default file. store_from: where that was said.
     zone: an IANA name, None for the store's own. now: ISO, "last", or None for the clock.
+    pictures: how the chat shows them, cells, ascii or off.
     history: whether questions are kept for the next chat.
     """
 
@@ -37,6 +40,7 @@ class Settings:
     zone: str | None = None
     now: str | None = None
     color: str = "auto"
+    pictures: str = "cells"
     quiet: bool = False
     history: bool = True
 
@@ -156,7 +160,7 @@ def load(
         settings = _laid_over(settings, _read(path), f"{path}")
     given: dict[str, Any] = {
         name: environ[f"D3A_{name.upper()}"]
-        for name in ("store", "zone", "now", "color")
+        for name in ("store", "zone", "now", "color", "pictures")
         if environ.get(f"D3A_{name.upper()}")
     }
     return _laid_over(settings, given, "the environment (D3A_*)")
@@ -173,7 +177,7 @@ def _read(path: Path) -> Mapping[str, Any]:
 
 def _laid_over(settings: Settings, given: Mapping[str, Any], where: str) -> Settings:
     known = {f.name: type(getattr(settings, f.name)) for f in fields(settings)}
-    allowed = sorted(known.keys() - {"clock", "store_from"})
+    allowed = sorted(known.keys() - HIDDEN)
     for name, value in given.items():
         if name not in allowed:
             near = difflib.get_close_matches(name, allowed, n=1, cutoff=0.0)
@@ -183,8 +187,9 @@ def _laid_over(settings: Settings, given: Mapping[str, Any], where: str) -> Sett
             raise SettingsError(
                 f"{where} sets {name} to {value!r}; it must be a {expected.__name__}"
             )
-        if name == "color" and value not in COLORS:
-            raise SettingsError(f"{where} sets color to {value!r}; it must be {', '.join(COLORS)}")
+        if value not in CHOICES.get(name, (value,)):
+            choices = ", ".join(CHOICES[name])
+            raise SettingsError(f"{where} sets {name} to {value!r}; it must be one of {choices}")
     if "store" in given:
         settings = replace(settings, store_from=where)
     return replace(settings, **given)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
 import click
 
-from assistant.config import COLORS, Settings, machine_zone, moment_of
+from assistant.config import CHOICES, Settings, machine_zone, moment_of
 from assistant.exits import ExitCode
 
 if TYPE_CHECKING:
@@ -43,7 +43,7 @@ def settings_options(function: _Function) -> _Function:
         ),
         click.option("--zone", metavar="NAME", help="Time zone, such as Europe/Berlin."),
         click.option("--now", metavar="TIME", help="ISO time, or last: that of the newest frame."),
-        click.option("--color", type=click.Choice(COLORS), help="Colours in the output."),
+        click.option("--color", type=click.Choice(CHOICES["color"]), help="Colours in the output."),
         click.option("-q", "--quiet", is_flag=True, default=None, help="No talk on stderr."),
     )
     for option in reversed(options):

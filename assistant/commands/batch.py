@@ -13,7 +13,9 @@ from assistant.terminal import json_line, speaks_unicode
 
 
 @click.command("batch")
-@click.argument("questions", type=click.File("r", encoding="utf-8", errors="replace"), default="-")
+@click.argument(
+    "questions", type=click.File("r", encoding="utf-8-sig", errors="replace"), default="-"
+)
 @click.option("--limit", type=click.IntRange(1, 10_000), default=50, show_default=True)
 @settings_options
 @click.pass_context

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from datetime import datetime, timedelta
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 import click
 
@@ -14,6 +14,7 @@ from assistant.terminal import is_terminal, why_not_full_screen
 if TYPE_CHECKING:
     from assistant.config import Settings
     from assistant.session import Session
+    from assistant.ui.picture import Kind
     from d3a.store.base import Store
 
 
@@ -65,6 +66,9 @@ def hold(session: Session, settings: Settings, *, plain: bool = False) -> None:
             click.echo(f"d3a: {why_not}, so the chat is held line by line", err=True)
         talk(session, sys.stdin, sys.stdout, ask_for_lines=is_terminal(sys.stdin))
         return
+    from assistant.config import user_state
     from assistant.ui.app import ChatApp
+    from assistant.ui.history import History
 
-    ChatApp(session, history=settings.history).run()
+    history = History(user_state() / "questions.jsonl") if settings.history else History()
+    ChatApp(session, history=history, pictures=cast("Kind", settings.pictures)).run()

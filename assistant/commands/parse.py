@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import sys
 from collections.abc import Iterator
 from datetime import datetime
@@ -60,7 +61,9 @@ def _moment_of_store(settings: Any, store: Any) -> datetime:
 
 def stdin_lines() -> Iterator[str]:
     """Yield the lines of standard input without their ends; bytes that are not UTF-8 replaced."""
-    for line in click.get_text_stream("stdin", encoding="utf-8", errors="replace"):
+    if isinstance(sys.stdin, io.TextIOWrapper):
+        sys.stdin.reconfigure(encoding="utf-8-sig", errors="replace")
+    for line in sys.stdin:
         yield line.rstrip("\r\n")
 
 

@@ -1,0 +1,168 @@
+"""Measure what a person waits for: `d3a` as a whole process, and the chat until it stands there.
+
+    python -m tests.bench.bench_start [--store URI] [--question TEXT] [--runs 10]
+
+Prints the median of the runs in ms, the number of modules that were loaded, and which of the
+heavy ones were. Without --store the demo home is filled first.
+"""
+
+from __future__ import annotations
+
+import argparse
+import asyncio
+import os
+import statistics
+import subprocess
+import sys
+import time
+from dataclasses import dataclass
+
+import click
+
+HEAVY = ("numpy", "lark", "rich", "sqlite3", "pymongo", "PIL", "scipy", "sklearn", "cv2", "textual")
+PROGRAM = (
+    "import sys\n"
+    "from assistant.cli import main\n"
+    "try:\n    main(sys.argv[1:], prog_name='d3a')\n"
+    "finally:\n    print('LOADED', *sys.modules, file=sys.stderr)\n"
+)
+
+
+@dataclass(frozen=True)
+class Measured:
+    """Milliseconds of each run, and the modules that were loaded."""
+
+    runs_ms: list[float]
+    modules: frozenset[str]
+
+    def line(self, name: str) -> str:
+        """Return one line of the report."""
+        heavy = [module for module in HEAVY if module in self.modules]
+        median, least = statistics.median(self.runs_ms), min(self.runs_ms)
+        count = f"{len(self.modules)} modules" if self.modules else ""
+        return f"{name:<28} {median:7.0f} {least:7.0f}  {count:<13} {' '.join(heavy)}"
+
+
+def measure(arguments: list[str], runs: int) -> Measured:
+    """Run `d3a` with the arguments so many times, each in a process of its own."""
+    command = [sys.executable, "-c", PROGRAM, *arguments]
+    spent = []
+    for _ in range(runs):
+        started = time.perf_counter()
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
+        spent.append((time.perf_counter() - started) * 1000)
+        if done.returncode not in (0, 1):
+            raise SystemExit(
+                f"d3a {' '.join(arguments)} ended with {done.returncode}: {done.stderr}"
+            )
+    return Measured(spent, frozenset(done.stderr.rpartition("LOADED ")[2].split()))
+
+
+def bare(runs: int) -> Measured:
+    """Run an empty program: what no command can be quicker than."""
+    spent = []
+    for _ in range(runs):
+        started = time.perf_counter()
+        subprocess.run([sys.executable, "-c", "pass"], check=True)
+        spent.append((time.perf_counter() - started) * 1000)
+    return Measured(spent, frozenset())
+
+
+def first_paint(store: str, runs: int) -> Measured:
+    """Open the chat on a pseudo-terminal, until its first bytes that draw the question line."""
+    import pty
+    import select
+
+    spent = []
+    for _ in range(runs):
+        master, slave = pty.openpty()
+        environment = {**os.environ, "TERM": "xterm-256color", "COLUMNS": "80", "LINES": "24"}
+        started = time.perf_counter()
+        with subprocess.Popen(
+            [sys.executable, "-c", PROGRAM, "chat", "--store", store],
+            env=environment,
+            stdin=slave,
+            stdout=slave,
+            stderr=slave,
+            start_new_session=True,
+        ) as process:
+            os.close(slave)
+            seen = b""
+            while b"Ask:" not in seen and time.perf_counter() - started < 30:
+                if select.select([master], [], [], 1.0)[0]:
+                    seen += os.read(master, 1 << 16)
+            spent.append((time.perf_counter() - started) * 1000)
+            process.kill()
+        os.close(master)
+    return Measured(spent, frozenset())
+
+
+async def answers(store: str, question: str, runs: int) -> Measured:
+    """Type a question in the open chat, and wait until its answer and its picture stand there."""
+    from assistant.cli import clock
+    from assistant.commands.chat import session_of
+    from assistant.config import Settings
+    from assistant.ui.app import ChatApp
+    from assistant.ui.chat import ChatScreen
+    from assistant.ui.prompt import Prompt
+    from d3a.store import open_store
+
+    opened = open_store(store)
+    shown = asyncio.Event()
+
+    class Watched(ChatScreen):
+        """A screen that tells when it was given an answer."""
+
+        def show_answer(self, *arguments: object) -> None:
+            super().show_answer(*arguments)  # type: ignore[arg-type]  # passed on as they came
+            self.call_after_refresh(shown.set)
+
+    session = session_of(Settings(clock=clock, store=store), opened)
+    app = ChatApp(session)
+    app.chat = Watched(session, "cells")
+    spent = []
+    async with app.run_test(size=(80, 24)) as pilot:
+        await pilot.pause(0.5)
+        for _ in range(runs):
+            shown.clear()
+            app.chat.query_one(Prompt).value = question
+            started = time.perf_counter()
+            await pilot.press("enter")
+            await asyncio.wait_for(shown.wait(), 30)
+            spent.append((time.perf_counter() - started) * 1000)
+    opened.close()
+    return Measured(spent, frozenset())
+
+
+def main() -> None:
+    """Measure and print."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--store")
+    parser.add_argument("--question", default="Where are my keys?")
+    parser.add_argument("--runs", type=int, default=10)
+    given = parser.parse_args()
+    store = given.store or _demo()
+    question = given.question
+    click.echo(f"{'':<28} {'median':>7} {'best':>7}  ms, of {given.runs} runs")
+    click.echo(bare(given.runs).line("python, nothing else"))
+    for name, arguments in (
+        ("d3a --help", ["--help"]),
+        ("d3a parse", ["parse", "--json", question]),
+        ("d3a ask", ["ask", question, "--store", store]),
+        ("d3a objects", ["objects", "--store", store]),
+    ):
+        click.echo(measure(arguments, given.runs).line(name))
+    click.echo(first_paint(store, given.runs).line("d3a chat, first paint"))
+    click.echo(asyncio.run(answers(store, question, given.runs)).line("chat, Enter to answer"))
+
+
+def _demo() -> str:
+    from assistant.cli import clock
+    from assistant.config import Settings
+    from assistant.demo import demo_store
+
+    return demo_store(Settings(clock=clock), click.echo)
+
+
+if __name__ == "__main__":
+    main()
