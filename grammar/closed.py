@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from grammar.numbers import CARDINALS
+
 CLOSED = frozenset(
     """
     a an the this that these those some any no not never none all every each both either another
@@ -15,8 +17,8 @@ CLOSED = frozenset(
     between beyond down during except inside near next outside since through throughout till
     toward towards underneath until
     there here then now just still already yet ever again also too even only please
-    see saw seen seeing look looked find found leave left put lost last first
-    spotted noticed placed sitting lying located standing show list tell
+    one ones many much see saw seen seeing look looked find found leave left put lost last first
+    spotted noticed placed show list tell
     """.split()
 )
 """Words that never are part of a noun phrase's open words."""
@@ -24,4 +26,4 @@ CLOSED = frozenset(
 
 def is_open(word: str) -> bool:
     """Whether a word may belong to a noun phrase: no function word, mark or number."""
-    return word[:1].isalpha() and word not in CLOSED
+    return word[:1].isalpha() and word not in CLOSED and word not in CARDINALS

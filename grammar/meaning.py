@@ -58,7 +58,14 @@ class SideBySide:
     kind: RelationKind
 
 
-Item: TypeAlias = Related | AtPlace | Here | SideBySide
+@dataclass(frozen=True, slots=True)
+class Choice:
+    """Items of which one is meant: in the kitchen or in the hall."""
+
+    options: tuple[Item, ...]
+
+
+Item: TypeAlias = "Related | AtPlace | Here | SideBySide | Choice"
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,6 +100,24 @@ class MeaningError(ValueError):
     def __init__(self, reason: str, *, state: bool = True) -> None:
         super().__init__(reason)
         self.state = state
+
+
+def readings(meaning: Meaning) -> tuple[Meaning, ...]:
+    """Return the meanings that `or` leaves open, one alone where there is no choice."""
+    things = meaning.things
+    if things.group is not None and things.group.choice:
+        groups = [Group((term,)) for term in things.group.terms]
+        return tuple(replace(meaning, things=replace(things, group=g)) for g in groups)
+    for i, item in enumerate(things.items):
+        options: tuple[Item, ...] = ()
+        if isinstance(item, Choice):
+            options = item.options
+        elif isinstance(item, Related) and item.group.choice:
+            options = tuple(replace(item, group=Group((term,))) for term in item.group.terms)
+        if options:
+            rests = [(*things.items[:i], option, *things.items[i + 1 :]) for option in options]
+            return tuple(replace(meaning, things=replace(things, items=r)) for r in rests)
+    return (meaning,)
 
 
 def query(
@@ -151,7 +176,7 @@ def _arranged(
                 place = item.name
             case SideBySide():
                 relation = relation or Relation(item.kind)
-            case Here():
+            case Here() | Choice():
                 continue
             case Related() if relation is None:
                 terms, figures = _with_figure(terms, figures)
@@ -163,14 +188,9 @@ def _arranged(
         raise MeaningError("between takes two things", state=False)
     if not terms and meaning.ask in ("what", "whether", "count"):
         terms = [THING]
-    if relation is not None and len(terms) < 2 and not _several(terms):
+    if relation is not None and not terms:
         raise MeaningError("a relation needs two things", state=False)
     return tuple(terms), relation, place
-
-
-def _several(terms: list[ObjectTerm]) -> bool:
-    """Whether one noun stands for several things: `were the two cups together`."""
-    return bool(terms)
 
 
 def _with_figure(terms: list[ObjectTerm], figures: int) -> tuple[list[ObjectTerm], int]:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from grammar.closed import is_open
 from grammar.forms import ANYTHING, ObjectTerm
+from grammar.numbers import ORDINALS
 from grammar.vocabulary import Lexicon
 from grammar.vocabulary.lexicon import THINGS
 from grammar.words import Word
@@ -48,7 +50,7 @@ class NounReader:
     """Reads the open words at a place as attributes and nouns."""
 
     lexicon: Lexicon
-    verbs: frozenset[str]
+    breaks: Callable[[list[Word], int], bool]
 
     def read(self, words: list[Word], i: int) -> list[tuple[Attribute | Noun, int, int]]:
         """Return (what, first, last) for the run of open words at `i`."""
@@ -57,6 +59,11 @@ class NounReader:
         pending: int | None = None
         k = i
         while k < end:
+            if (
+                words[k].text in ORDINALS and k + 1 < end
+            ):  # the second cup: which one, none can tell
+                k += 1
+                continue
             size = self._compound(words, k, end)
             attribute = None if size else self._attribute(words, k, end)
             if size or attribute is None:
@@ -78,11 +85,15 @@ class NounReader:
         while end < len(words) and is_open(words[end].text):
             if words[end].text.endswith("'s"):
                 break
-            if end > i and words[end].text in self.verbs:
+            if end > i and self.breaks(words, end):
                 break
             size = self._compound(words, end, len(words))
             end += size or 1
         return max(end, i + 1)
+
+    def compound_at(self, words: list[Word], i: int) -> int:
+        """Return the length of the listed compound noun at `i`, 0 for none."""
+        return self._compound(words, i, len(words))
 
     def _compound(self, words: list[Word], i: int, end: int) -> int:
         """Return the length of the longest listed compound at `i`, 0 for none."""
@@ -121,5 +132,6 @@ class NounReader:
         if said in THINGS:
             return Noun(ANYTHING, said, known=True), first, last
         category = self.lexicon.canonical(said)
-        known = said in self.lexicon.nouns or head in self.lexicon.heads or category != said
+        known = said in self.lexicon.nouns or (head != said and head in self.lexicon.heads)
+        known = known or category != said
         return Noun(category, said, known), first, last

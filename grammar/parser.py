@@ -10,33 +10,25 @@ from datetime import datetime, timedelta
 from functools import lru_cache
 
 from lark import Lark, Token
-from lark.exceptions import UnexpectedInput, VisitError
+from lark.exceptions import UnexpectedInput
 
-from grammar import clock, lalr, scope, speech, tagger, timespan
+from grammar import clock, lalr, scope, speech, spelling, tagger, timespan
 from grammar.days import TimeAmbiguity
 from grammar.errors import Ambiguous, NotUnderstood, OutOfScope, QuestionError
 from grammar.forms import FormalQuery, ObjectTerm, TimeSlice
-from grammar.meaning import Group, Meaning, MeaningError, Things, query
+from grammar.meaning import Meaning, MeaningError, query, readings
+from grammar.spelling import Correction
 from grammar.transform import Meanings
 from grammar.vocabulary import Lexicon, StoreWords, lexicon
 from grammar.words import MAX_CHARACTERS, MAX_WORDS, Word, split
 
 _TERMINALS = (
-    "AND ATTR AT_PLACE AUX BE DET HAVE HERE GO MISSING MOVED NOT_ATTR NOUN NUMBER ONE OR OWNED OWNER "
+    "AND ATTR AT_PLACE AUX BE DET HAVE HERE GO MISSING MOVED NOT_ATTR NOUN NUMBER ONE OR OR_ITEM OWNED OWNER "
     "PART PREDICATE REL SIDE_BY_SIDE STATE THAT_NOT THAT_NOT_REL THERE UNKNOWN WHO SEE LEAVE FINDS "
     "_EXCEPT _FIND _HOWLONG _HOWMANY _HOWOFTEN _MADE_OF _NOT_MADE_OF _SEEK _SHOW _THAT_IS "
     "_THAT_IS_NOT _WHAT _WHEN _WHERE _WHETHER _WHICH _WITHOUT_PART _WITH_PART"
 ).split()
 NO_STORE = StoreWords()
-
-
-@dataclass(frozen=True, slots=True)
-class Correction:
-    """A word that was read as another: what was said, what was taken, and where it stands."""
-
-    said: str
-    taken: str
-    position: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,12 +74,13 @@ def parse_report(text: str, *, now: datetime, words: StoreWords = NO_STORE) -> P
         raise ValueError("now has no zone; hand in an aware datetime")
     lex = lexicon(words)
     found = _capped(text)
+    found, corrections = spelling.corrected(found, lex, words)
     sentences = [plain for s in speech.sentences(found) if (plain := speech.plain(s, lex))]
     if not sentences:
         raise NotUnderstood(
             text, 0, "There is no question in it.", scope.suggestions(text, [], lex)
         )
-    return Reading(text, now, lex).of(sentences)
+    return Parsed(Reading(text, now, lex).of(sentences), corrections)
 
 
 def _capped(text: str) -> list[Word]:
@@ -110,15 +103,15 @@ class Reading:
     now: datetime
     lexicon: Lexicon
 
-    def of(self, sentences: list[list[Word]]) -> Parsed:
+    def of(self, sentences: list[list[Word]]) -> FormalQuery:
         """Read the sentences; the last one that asks counts, earlier ones say what `it` is."""
         it: ObjectTerm | None = None
-        answer: Parsed | None = None
+        answer: FormalQuery | None = None
         failure: QuestionError | None = None
         for words in sentences:
             try:
                 answer = self.sentence(words, it)
-                it = answer.query.objects[0] if answer.query.objects else it
+                it = answer.objects[0] if answer.objects else it
             except QuestionError as error:
                 if failure is None or scope.asks(words):
                     failure = error
@@ -129,22 +122,21 @@ class Reading:
         assert failure is not None
         raise failure
 
-    def sentence(self, words: list[Word], it: ObjectTerm | None) -> Parsed:
+    def sentence(self, words: list[Word], it: ObjectTerm | None) -> FormalQuery:
         """Read one sentence."""
-        words, cut = scope.without_purpose(words)
-        corrections: tuple[Correction, ...] = ()
         times = timespan.find([w.text for w in words])
         rest, slice_ = self._timed(words, times)
-        scope.refuse_early(self.text, words, rest, self.lexicon)
+        rest = scope.without_purpose(rest)
+        scope.refuse_early(self.text, words, rest, self.lexicon, it)
         tagged = tagger.tag(rest, self.lexicon, it)
         meaning = self._meaning(tagged, rest, timed=bool(times))
         try:
+            self._refuse_choice(meaning, tagged, slice_)
             found = query(meaning, self.text, slice_, tagged.select, tagged.negated)
         except MeaningError as error:
             raise self._refused(error, rest) from error
         scope.refuse_late(self.text, found, rest, self.lexicon)
-        self._refuse_choice(meaning, found, rest)
-        return Parsed(found, corrections)
+        return found
 
     def _timed(
         self, words: list[Word], times: list[timespan.Found]
@@ -202,10 +194,8 @@ class Reading:
         ]
         try:
             meaning = _question_parser().parse(tokens)  # type: ignore[arg-type]
-        except VisitError as error:
-            if isinstance(error.orig_exc, MeaningError):
-                raise self._refused(error.orig_exc, rest) from error
-            raise
+        except MeaningError as error:
+            raise self._refused(error, rest) from error
         except UnexpectedInput as error:
             token = getattr(error, "token", None)
             index = getattr(token, "start_pos", None)
@@ -228,26 +218,19 @@ class Reading:
             scope.suggestions(self.text, rest, self.lexicon),
         )
 
-    def _refuse_choice(self, meaning: Meaning, found: FormalQuery, rest: list[Word]) -> None:
-        """Raise Ambiguous where `or` leaves open which thing is asked for."""
-        group = meaning.things.group
-        if group is None or not group.choice:
+    def _refuse_choice(
+        self, meaning: Meaning, tagged: tagger.Tagged, time: TimeSlice | None
+    ) -> None:
+        """Raise Ambiguous where `or` leaves open which thing or place is meant."""
+        choices = readings(meaning)
+        if len(choices) == 1:
             return
-        readings = tuple(
-            query(
-                replace(meaning, things=Things(Group((term,)), meaning.things.items)),
-                self.text,
-                found.time,
-                found.select,
-                found.negated,
-            )
-            for term in group.terms
-        )
-        spelled = tuple(scope.spelled(reading) for reading in readings)
+        queries = tuple(query(c, self.text, time, tagged.select, tagged.negated) for c in choices)
+        spelled = tuple(scope.spelled(found) for found in queries[:3])
         raise Ambiguous(
             self.text,
-            rest[0].start,
-            "It asks about one thing or another; ask about one at a time.",
-            spelled[:3],
-            readings,
+            next((t.word.start for t in tagged.tags if t.type in ("OR", "OR_ITEM")), 0),
+            "It asks one thing or another; ask for one at a time.",
+            spelled,
+            queries,
         )

@@ -6,6 +6,7 @@ the robot's doings, the weather and the future are out of scope; noise is not un
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import lru_cache
 
 from grammar import speech, tagger
@@ -21,8 +22,12 @@ _ASKING = frozenset(
     "may might should shall will would must whether if".split()
 )
 _WHERE_VERBS = frozenset("find see look search locate".split())
-_PURPOSE_AFTER = frozenset("so because cause before".split())
-_USE = frozenset("for".split())
+_NO_VERBS = frozenset(
+    "left right the a an my your our his her their its this that me you be".split()
+)
+
+
+_WANTED = frozenset("something anything place somewhere anywhere want need thing way spot".split())
 
 
 @lru_cache(maxsize=1)
@@ -35,18 +40,21 @@ def _openings() -> tuple[tuple[str, ...], ...]:
     return tuple(tuple(line.split()) for line in sorted(_lists()["opening"]))
 
 
+def spoken() -> tuple[str, ...]:
+    """Return every phrase of the scope lists, for spelling to leave alone."""
+    return tuple(phrase for phrases in _lists().values() for phrase in phrases)
+
+
 def asks(words: list[Word]) -> bool:
     """Whether a sentence is a question by its first word, or looks for something."""
     return bool(words) and (words[0].text in _ASKING or words[0].text == speech.SEEK)
 
 
-def without_purpose(words: list[Word]) -> tuple[list[Word], bool]:
+def without_purpose(words: list[Word]) -> list[Word]:
     """Cut off what only says why one asks: `so i can watch tv`, `to put some snacks`."""
     texts = [w.text for w in words]
-    words = _without_preamble(words)
-    texts = [w.text for w in words]
     if not texts or texts[0] not in ("where", "whereabouts", speech.SEEK, "have", "did", "when"):
-        return words, False
+        return words
     for i in range(2, len(texts)):
         rest = texts[i + 1 : i + 3]
         if (
@@ -54,37 +62,20 @@ def without_purpose(words: list[Word]) -> tuple[list[Word], bool]:
             and rest
             and rest[0] in ("i", "we", "that")
         ):
-            return words[:i], True
+            return words[:i]
         if (
             texts[i] in ("i", "we")
             and rest
             and rest[0] in ("want", "need", "have", "would", "am")
             and _complete(texts[:i])
         ):
-            return words[:i], True
-        infinitive = (
-            texts[i] == "to" and rest and is_open(rest[0]) and rest[0] not in ("left", "right")
-        )
-        if (
-            infinitive
-            and i >= 3
-            and is_open(texts[i - 1])
-            and texts[i - 1]
-            not in (
-                "something",
-                "anything",
-                "place",
-                "somewhere",
-                "anywhere",
-                "want",
-                "need",
-                "thing",
-            )
-        ):
-            return words[:i], True
+            return words[:i]
+        infinitive = texts[i] == "to" and bool(rest) and rest[0] not in _NO_VERBS
+        if infinitive and i >= 3 and is_open(texts[i - 1]) and texts[i - 1] not in _WANTED:
+            return words[:i]
         if texts[i] == "in" and rest[:2] == ["order", "to"]:
-            return words[:i], True
-    return words, False
+            return words[:i]
+    return words
 
 
 def _complete(texts: list[str]) -> bool:
@@ -92,42 +83,25 @@ def _complete(texts: list[str]) -> bool:
     return is_open(texts[-1]) and len(texts) >= 3
 
 
-def _without_preamble(words: list[Word]) -> list[Word]:
-    """Cut off a reason said first: `i want to watch tv where is the remote`."""
-    texts = [w.text for w in words]
-    if len(texts) < 4 or texts[0] not in ("i", "we", speech.SEEK, "my", "it", "there"):
-        return words
-    for i in range(2, len(texts) - 2):
-        if texts[i] in ("where", "when", "have", "did") and texts[i + 1] in (
-            "is", "are", "was", "were", "did", "do", "can", "could", "have", "has", "you", "might", "should",
-        ):  # fmt: skip
-            if texts[i] in ("have", "did") and texts[i + 1] != "you":
-                continue
-            if texts[i] == "where" and texts[i - 1] in (
-                "know",
-                "remember",
-                "forgot",
-                "recall",
-                "tell",
-            ):
-                continue
-            return words[i:]
-    return words
-
-
 # -- refusals -------------------------------------------------------------------------------------
 
 
-def refuse_early(text: str, words: list[Word], rest: list[Word], lexicon: Lexicon) -> None:
+def refuse_early(
+    text: str, words: list[Word], rest: list[Word], lexicon: Lexicon, it: ObjectTerm | None
+) -> None:
     """Raise OutOfScope for what the words alone give away: the future, reasons, advice."""
     texts = [w.text for w in words]
     hit = _future(texts)
     if hit is not None:
         raise _out(text, words[hit], "A memory knows the past, not the future", rest, lexicon)
+    if _commanded(texts, lexicon):
+        raise _out(
+            text, words[0], "It answers questions and carries out no commands", rest, lexicon
+        )
     if _use_asked(texts):
         raise _out(text, words[0], "A memory of sightings gives no advice", rest, lexicon)
     for opening in _openings():
-        if tuple(texts[: len(opening)]) == opening and not _excused(opening, texts, rest):
+        if tuple(texts[: len(opening)]) == opening and not _excused(opening, texts, it):
             word = words[len(opening) - 1]
             raise _out(text, word, _REASON, rest, lexicon)
 
@@ -135,9 +109,11 @@ def refuse_early(text: str, words: list[Word], rest: list[Word], lexicon: Lexico
 _REASON = "A memory of sightings knows where and when things were seen, nothing else"
 
 
-def _excused(opening: tuple[str, ...], texts: list[str], rest: list[Word]) -> bool:
+def _excused(opening: tuple[str, ...], texts: list[str], it: ObjectTerm | None) -> bool:
     """Whether an opening is one of a question about a thing after all."""
     after = texts[len(opening) :]
+    if opening[-1] in tagger.PRONOUNS and len(opening) == 2 and it is not None:
+        return True
     if opening in (
         ("where", "could", "i"),
         ("where", "would", "i"),
@@ -171,11 +147,18 @@ def _excused(opening: tuple[str, ...], texts: list[str], rest: list[Word]) -> bo
         )
     if opening == ("what", "are", "you"):
         return after[:1] == ["seeing"]
-    if opening in (("how", "is"), ("how", "are")):
-        return False
-    if opening == ("is", "it"):
-        return False
+    if opening in (("can", "i"), ("may", "i"), ("could", "i")):
+        return after[:1] == ["see"]
     return False
+
+
+def _commanded(texts: list[str], lexicon: Lexicon) -> bool:
+    """Whether the first word orders something done: `turn on the lights`, not `watch on the bed`."""
+    if len(texts) < 2 or texts[0] not in _lists()["command"]:
+        return False
+    if lexicon.known_noun(texts[0]) or texts[0] in lexicon.attributes:
+        return texts[1] in tagger.DETERMINERS or texts[1] in tagger.OWNERS
+    return True
 
 
 def _future(texts: list[str]) -> int | None:
@@ -273,7 +256,7 @@ def refuse_late(text: str, found: FormalQuery, rest: list[Word], lexicon: Lexico
             word = next((w for w in rest if w.text.startswith(head[:4])), rest[-1])
             raise _out(text, word, f"“{term.word}” is no thing that a camera sees", rest, lexicon)
     first = found.objects[0] if found.objects else None
-    if first is not None and first.category in lexicon.names:
+    if first is not None and (first.category in lexicon.names or first.category in tagger.KIN):
         raise _out(text, rest[-1], "It remembers things, not the doings of people", rest, lexicon)
 
 
@@ -308,13 +291,13 @@ def unread(
     said = text[stopped.start : stopped.end] if stopped is not None else text.strip()
     hints = suggestions(text, rest, lexicon)
     if words and (asks(words) or words[0].text in _lists()["command"]):
-        if _garbled(words, lexicon):
+        if _garbled(words) and not any(t.type == "WHO" for t in tagged.tags):
             return NotUnderstood(text, position, f"I could not follow at “{said}”.", hints)
         return OutOfScope(text, position, f"{_REASON}; I could not follow at “{said}”.", hints)
     return NotUnderstood(text, position, f"I could not follow at “{said}”.", hints)
 
 
-def _garbled(words: list[Word], lexicon: Lexicon) -> bool:
+def _garbled(words: list[Word]) -> bool:
     """Whether a question breaks off without a noun: `where is the`."""
     return not any(is_open(w.text) for w in words[1:]) and len(words) < 5
 
@@ -332,43 +315,62 @@ def suggestions(text: str, words: list[Word], lexicon: Lexicon) -> tuple[str, ..
     if not nouns:
         return ()
     first = nouns[0]
-    found = [f"Where is {first}?", f"When did you last see {first}?"]
-    if len(nouns) > 1:
-        found.append(f"Did you see {first} near {nouns[1]}?")
-    else:
-        found.append(f"Did you see {first} today?")
-    return tuple(found)
+    found = [f"Where {first.be} {first.said}?", f"When did you last see {first.said}?"]
+    other = f" near {nouns[1].said}" if len(nouns) > 1 else " today"
+    return (*found, f"Did you see {first.said}{other}?")
 
 
-def _nouns(words: list[Word], lexicon: Lexicon) -> list[str]:
+@dataclass(frozen=True, slots=True)
+class _Mentioned:
+    """A noun phrase of a question that failed, ready to be asked for."""
+
+    said: str
+    be: str
+
+
+def _nouns(words: list[Word], lexicon: Lexicon) -> list[_Mentioned]:
     """Return the known nouns of the words with a determiner, as they were said."""
-    reader = tagger.NounReader(lexicon, tagger.phrases().verbs)
-    found: list[str] = []
+    reader = tagger.NounReader(lexicon, tagger.breaks)
+    found: list[_Mentioned] = []
     i = 0
     while i < len(words):
         if not is_open(words[i].text):
             i += 1
             continue
         parts = reader.read(words, i)
-        i = parts[-1][2]
+        start, i = i, parts[-1][2]
         attributes = [p.said for p, _, _ in parts if isinstance(p, Attribute) and p.kind != "other"]
-        noun = next((p for p, _, _ in parts if isinstance(p, Noun) and p.known), None)
-        if noun is None or noun.category == ANYTHING or noun.said in _lists()["abstract"]:
+        nouns = [(p, a, b) for p, a, b in parts if isinstance(p, Noun) and p.known]
+        if (
+            not nouns
+            or nouns[0][0].category == ANYTHING
+            or nouns[0][0].said in _lists()["abstract"]
+        ):
             continue
-        k = parts[0][1] - 1
-        lead = words[k].text if k >= 0 and words[k].text in tagger.OWNERS else "the"
-        found.append(" ".join([lead, *attributes, noun.said]))
+        noun, first, last = nouns[0]
+        as_said = " ".join(w.text for w in words[first:last])
+        lead = words[start - 1].text if start and words[start - 1].text in tagger.OWNERS else "the"
+        several = as_said != noun.said or lexicon.plurals.get(as_said) == as_said
+        found.append(_Mentioned(" ".join([lead, *attributes, as_said]), "are" if several else "is"))
     return list(dict.fromkeys(found))
+
+
+_RELATIONS = {"in_front_of": "in front of", "left_of": "left of", "right_of": "right of",
+              "together": "with", "same_place": "in the same place as"}  # fmt: skip
 
 
 def spelled(query: FormalQuery) -> str:
     """Return a plain question for a query, to tell two readings apart."""
     named = " and ".join(phrase(term) for term in query.objects)
+    if query.relation is not None and len(query.objects) > 1:
+        first, *rest = (phrase(term) for term in query.objects)
+        kind = _RELATIONS.get(query.relation.kind, query.relation.kind)
+        named = f"{first} {kind} {' and '.join(rest)}"
+    if query.place is not None:
+        named += f" in the {query.place}"
     match query.ask:
         case "where" | "when":
             return f"{query.ask.capitalize()} did you see {named}?"
-        case "count":
-            return f"How many {named} did you see?"
         case "what":
             return f"Show me {named}"
         case _:

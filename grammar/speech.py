@@ -77,7 +77,33 @@ def sentences(words: list[Word]) -> list[list[Word]]:
             found.append([])
         elif word.text != ":":
             found[-1].append(word)
-    return [sentence for sentence in found if sentence]
+    return [part for sentence in found if sentence for part in _parted(sentence)]
+
+
+def _parted(words: list[Word]) -> list[list[Word]]:
+    """Part a reason said first from its question: `i lost my wallet can you help me find it`."""
+    texts = [w.text for w in words]
+    if texts[0] not in ("i", "we", "my", "there", "it"):
+        return [words]
+    for i in range(2, len(texts) - 2):
+        starts = tuple(texts[i : i + 2])
+        asked = starts[0] == "where" and starts[1] in (*_AUXILIARIES, "might")
+        if (asked or starts in _ASKED) and texts[i - 1] not in _TELLING:
+            return [words[:i], words[i:]]
+    return [words]
+
+
+_ASKED = (
+    ("have", "you"),
+    ("did", "you"),
+    ("can", "you"),
+    ("could", "you"),
+    ("do", "you"),
+    ("when", "did"),
+)
+_TELLING = frozenset(
+    "know remember forgot forget recall tell wonder sure wondering idea of about and or".split()
+)
 
 
 def plain(words: list[Word], lexicon: Lexicon) -> list[Word]:
@@ -95,9 +121,7 @@ def _without_fillers(words: list[Word]) -> list[Word]:
     i = 0
     while i < len(words):
         count = fillers.at(words, i)
-        if count and not (
-            words[i].text in ("oh", "o") and kept and kept[-1].text in numbers.CARDINALS
-        ):
+        if count and not _no_filler(words, i, count, kept):
             i += count
             if i < len(words) and words[i].text == "," and (not kept or kept[-1].text == ","):
                 i += 1
@@ -105,6 +129,17 @@ def _without_fillers(words: list[Word]) -> list[Word]:
         kept.append(words[i])
         i += 1
     return kept
+
+
+def _no_filler(words: list[Word], i: int, count: int, kept: list[Word]) -> bool:
+    """Whether a filler is said in earnest: the `oh` of `nine oh five`, `do you know`."""
+    before = kept[-1].text if kept else ""
+    if words[i].text in ("oh", "o"):
+        return before in numbers.CARDINALS
+    if words[i].text == "you":
+        following = words[i + count].text if i + count < len(words) else ""
+        return before in _AUXILIARIES or before == "if" or following in (*_QUESTION_WORDS, "if")
+    return False
 
 
 def _without_stutter(words: list[Word]) -> list[Word]:

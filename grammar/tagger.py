@@ -25,18 +25,21 @@ DETERMINERS = frozenset(
 OWNERS = {"my": "me", "our": "me", "your": "you"}
 OWNED = {"mine": "me", "ours": "me", "yours": "you", "me": "me", "us": "me", "you": "you"}
 PRONOUNS = frozenset("it they them these those he him she".split())
-PEOPLE = frozenset(
-    "wife husband mom mum mother dad father son daughter kid child brother sister grandma "
-    "grandpa grandmother grandfather friend roommate flatmate guest visitor boy girl man woman "
-    "baby boyfriend girlfriend partner cleaner nurse carer uncle aunt person neighbor neighbour "
-    "granny granddaughter grandson cousin dog cat".split()
+KIN = frozenset(
+    "wife husband mom mum mother dad father son daughter brother sister grandma grandpa "
+    "grandmother grandfather friend roommate flatmate boyfriend girlfriend partner nurse carer "
+    "uncle aunt neighbor neighbour granny granddaughter grandson cousin everybody everyone".split()
 )
+"""People by their kinship: what they do is no business of a memory of things."""
+PEOPLE = KIN | frozenset("kid child guest visitor boy girl man woman baby person dog cat".split())
 _PLACE_WORDS = frozenset("in at inside from within into to around of throughout across on".split())
 _ON_PLACES = frozenset(("balcony", "terrace", "porch", "upstairs", "downstairs"))
 _BARE_PLACES = frozenset(("upstairs", "downstairs", "outside", "outdoors"))
-_ACTS = frozenset(("SEE", "LEAVE", "FINDS"))
+_INTENSIFIERS = frozenset(("right", "directly", "immediately", "straight"))
 _FLOATS: dict[str, Select] = {"last": "last", "first": "first", "usual": "usual"}
 _VERBAL = ("SEE", "LEAVE", "FINDS", "GO", "MOVED", "MISSING")
+_CUTTING = ("_MADE_OF", "_EXCEPT", "SIDE_BY_SIDE", "MISSING", "usual", "HERE")
+_BREAKING = ("HERE", "drop", "last", "usual", "SIDE_BY_SIDE", "negative")
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,6 +67,7 @@ class Phrases:
 
     by_first: dict[str, list[tuple[tuple[str, ...], str]]]
     verbs: frozenset[str]
+    breakers: frozenset[str]
 
 
 @lru_cache(maxsize=1)
@@ -71,6 +75,7 @@ def phrases() -> Phrases:
     """Return the phrases of the question; read once."""
     found: dict[str, list[tuple[tuple[str, ...], str]]] = {}
     verbs: set[str] = set()
+    breakers: set[str] = set()
     for line in files.lines("phrases.txt"):
         terminal, _, said = line.partition("=")
         for phrase in files.split(said):
@@ -78,6 +83,8 @@ def phrases() -> Phrases:
             found.setdefault(parts[0], []).append((parts, terminal.strip()))
             if len(parts) == 1 and terminal.strip() in _VERBAL:
                 verbs.add(phrase)
+            if len(parts) == 1 and terminal.strip() in _BREAKING:
+                breakers.add(phrase)
     for line in files.lines("relations.txt"):
         kind, _, said = line.partition(":")
         for phrase in files.split(said):
@@ -85,7 +92,25 @@ def phrases() -> Phrases:
             found.setdefault(parts[0], []).append((parts, f"REL {kind.strip()}"))
     for entries in found.values():
         entries.sort(key=lambda entry: len(entry[0]), reverse=True)
-    return Phrases(found, frozenset(verbs))
+    return Phrases(found, frozenset(verbs), frozenset(verbs | breakers | {"belonging"}))
+
+
+def breaks(words: list[Word], k: int) -> bool:
+    """Whether the open word at `k` starts a phrase of its own and goes on no noun."""
+    known = phrases()
+    text = words[k].text
+    if text in known.breakers:
+        return True
+    for parts, terminal in known.by_first.get(text, ()):
+        if terminal.startswith("REL") or terminal in _CUTTING:
+            if all(k + j < len(words) and words[k + j].text == p for j, p in enumerate(parts)):
+                return True
+    return False
+
+
+def spoken() -> tuple[str, ...]:
+    """Return every phrase of the question, for spelling to leave alone."""
+    return tuple(" ".join(parts) for entries in phrases().by_first.values() for parts, _ in entries)
 
 
 @lru_cache(maxsize=16)
@@ -110,7 +135,7 @@ class Tagger:
     def __init__(self, words: list[Word], lexicon: Lexicon, it: ObjectTerm | None) -> None:
         self.words = [w for w in words if w.text not in ("-", ":", ";")]
         self.lexicon, self.it = lexicon, it
-        self.reader = NounReader(lexicon, phrases().verbs)
+        self.reader = NounReader(lexicon, breaks)
         self.places = _by_first(tuple(lexicon.places))
         self.out = Tagged()
         self.room = False
@@ -175,9 +200,25 @@ class Tagger:
             self._emit("AND", text, 1)
             return True
         if text in ("or", "nor"):
-            self._emit("OR", text, 1)
-            return True
+            return self._or()
         return False
+
+    def _or(self) -> bool:
+        """in the kitchen or the hall: a place after `or` needs no preposition of its own."""
+        after_place = self._last() == "AT_PLACE"
+        self._emit("OR", "or", 1)
+        if after_place:
+            k = self.i
+            while (
+                self._text(k) in _PLACE_WORDS
+                or self._text(k) in DETERMINERS
+                or self._text(k) in OWNERS
+            ):
+                k += 1
+            place, end = self._place_at(k)
+            if place:
+                self._emit("AT_PLACE", place, end - self.i)
+        return True
 
     def _clause(self) -> bool:
         """that is red, which was on the table, that has a handle, that i left in the hall."""
@@ -271,22 +312,19 @@ class Tagger:
             k += 1
         if self._text(k).endswith("'s") and k > self.i + 1:
             return False
+        place, end = self._place_at(k)
+        if not place or (preposition == "on" and place not in _ON_PLACES):
+            return False
+        self._emit("AT_PLACE", place, end - self.i)
+        return True
+
+    def _place_at(self, k: int) -> tuple[str, int]:
+        """Return (place, its end) of the named place at `k`; no noun may follow it."""
         for parts in self.places.get(self._text(k), ()):
             end = k + len(parts)
-            if [self._text(j) for j in range(k, end)] != list(parts) or self._open_at(end):
-                continue
-            place = self.lexicon.places[" ".join(parts)]
-            if (
-                preposition == "on"
-                and place not in _ON_PLACES
-                or preposition == "of"
-                and self._last() == "NOUN"
-                and False
-            ):
-                return False
-            self._emit("AT_PLACE", place, end - self.i)
-            return True
-        return False
+            if [self._text(j) for j in range(k, end)] == list(parts) and not self._open_at(end):
+                return self.lexicon.places[" ".join(parts)], end
+        return "", k
 
     def _negation(self) -> bool:
         text = self._text(self.i)
@@ -537,6 +575,8 @@ class Tagger:
         return True
 
     def _drop(self, said: str, size: int) -> bool:
+        if said in _INTENSIFIERS and not self._relation_at(self.i + size):
+            return False
         led = self._last() in ("DET", "OWNER", "ATTR", "NUMBER")
         if led and self._open_at(self.i) and not self._open_at(self.i + size):
             return False
@@ -559,8 +599,17 @@ class Tagger:
         self.i += size
         return True
 
+    def _relation_at(self, k: int) -> bool:
+        """Whether a phrase of relation stands at `k`: `right above`, `directly next to`."""
+        return any(
+            terminal.startswith("REL ") and [self._text(k + j) for j in range(len(parts))] == [*parts]
+            for parts, terminal in phrases().by_first.get(self._text(k), ())
+        )
+
     def _float(self, terminal: str, said: str, size: int) -> bool:
         if self._last() in ("DET", "OWNER") and self._open_at(self.i + size):
+            return False
+        if self.reader.compound_at(self.words, self.i):
             return False
         if said == "first" and self._last() == "DET":
             return False
@@ -699,6 +748,8 @@ class Tagger:
             return True
         if not is_open(text):
             return False
+        if self._last() == "BE" and len(self.out.tags) > 1 and self.out.tags[-2].type == "_WHAT":
+            return False  # what is written, what is wrong: no thing is named
         for what, first, last in self.reader.read(self.words, self.i):
             self.i = first
             self._emit("NOUN" if isinstance(what, Noun) else "ATTR", what, last - first)
@@ -754,6 +805,8 @@ def _joined_attributes(tags: list[Tag]) -> list[Tag]:
             )
             if attributes or ground or before in ("AND", ""):
                 continue
+        if tag_.type == "OR" and after in ("REL", "AT_PLACE"):
+            tag_ = Tag("OR_ITEM", "or", tag_.word)
         out.append(tag_)
     return out
 

@@ -10,6 +10,7 @@ from lark import Token, Transformer, v_args
 from grammar.forms import ANYTHING, ObjectTerm, RelationKind
 from grammar.meaning import (
     AtPlace,
+    Choice,
     Group,
     Here,
     Item,
@@ -277,13 +278,13 @@ class Meanings(Transformer[Token, Any]):
 
     # -- things -----------------------------------------------------------------------------------
 
-    def things(self, group: Group, *items: Item) -> Things:
-        """things: group item*."""
-        return Things(group, items)
+    def things(self, group: Group, *items: Any) -> Things:
+        """things: group (OR_ITEM? item)*."""
+        return Things(group, _or_items(items))
 
-    def tail(self, *items: Item) -> tuple[Item, ...]:
-        """tail: item+."""
-        return items
+    def tail(self, *items: Any) -> tuple[Item, ...]:
+        """tail: item (OR_ITEM? item)*."""
+        return _or_items(items)
 
     def related(self, link: tuple[RelationKind, bool], group: Group) -> Related:
         """item: link group."""
@@ -380,6 +381,23 @@ class Meanings(Transformer[Token, Any]):
     def owned(self, token: Token) -> Change:
         """post: OWNED."""
         return Change(owner=str(token.value))
+
+
+def _or_items(words: tuple[Any, ...]) -> tuple[Item, ...]:
+    """Return the items; two that `or` joins become one Choice of both."""
+    found: list[Item] = []
+    either = False
+    for word in words:
+        if isinstance(word, Token):
+            either = True
+        elif either and found:
+            before = found.pop()
+            options = before.options if isinstance(before, Choice) else (before,)
+            found.append(Choice((*options, word)))
+            either = False
+        else:
+            found.append(word)
+    return tuple(found)
 
 
 def _said(token: Token) -> str:

@@ -1,0 +1,400 @@
+"""The formal notation as text: the paper's, made lossless.
+
+`write` prints every FormalQuery, `read` takes it back unchanged. A line has three parts:
+
+    pink(x), cup(x), said(x, "mug") | STc.find(OIc.find(x), in kitchen, 2020-01-01T13:00:00-05:00
+    <= t < 2020-01-01T16:00:00-05:00) | ask where, select last, said "where was my mug"
+
+The first two are the paper's (Table 1), with whole times for its clock times and each attribute
+bound to its object by a shared variable. Without the third part, and with the paper's own `pink(x),
+cup(y)`, a line is read as the paper means it: OIc.find asks whether, STc.find with objects together
+asks when, with a time where; a clock time is the last one gone by.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from dataclasses import dataclass, field, replace
+from datetime import datetime, timedelta
+from functools import lru_cache
+from pathlib import Path
+from typing import Any, cast
+
+from lark import Lark, Token, Tree
+from lark.exceptions import UnexpectedInput
+
+from grammar.errors import NotUnderstood
+from grammar.forms import (
+    ASKS,
+    FORMS,
+    RELATION_KINDS,
+    SELECTS,
+    Ask,
+    Form,
+    FormalQuery,
+    FormError,
+    ObjectTerm,
+    Relation,
+    RelationKind,
+    Select,
+    TimeSlice,
+    Where,
+)
+from grammar.vocabulary import lexicon
+
+_BARE = re.compile(r"[a-z]+(?: [a-z]+)*\Z")
+_FORMAL = re.compile(r"\|[^|]*\b(?:OIc|STc)\s*\.\s*find\s*\(", re.IGNORECASE)
+_RESERVED = frozenset(("not", "in", "t"))
+_TIME = "t"
+
+
+def looks_formal(text: str) -> bool:
+    """Whether a text is meant as notation: a bar, and a call of one of the two stores after it."""
+    return _FORMAL.search(text) is not None
+
+
+# -- writing --------------------------------------------------------------------------------------
+
+
+def write(query: FormalQuery) -> str:
+    """Return the notation of a query; `read` gives the equal query back."""
+    named = [(term, f"{_TIME}0" if term.var == _TIME else term.var) for term in query.objects]
+    predicates = [p for term, var in named for p in _predicates(term, var)]
+    arguments = [f"OIc.find({', '.join(var for _, var in named)})"]
+    if query.relation is not None:
+        arguments.append(("not " if query.relation.negated else "") + query.relation.kind)
+    if query.place is not None:
+        arguments.append(f"in {_word(query.place)}")
+    if query.time is not None:
+        predicates.append(f"time({_TIME})")
+        arguments.append(_slice(query.time))
+    stored = query.form != "Q1" or len(arguments) > 1
+    call = f"STc.find({', '.join(arguments)})" if stored else arguments[0]
+    clauses = [f"form {query.form}", f"ask {query.ask}", f"select {query.select}"]
+    if query.negated:
+        clauses.append("negated")
+    clauses.append(f"said {json.dumps(query.text)}")
+    return f"{', '.join(predicates)} | {call} | {', '.join(clauses)}"
+
+
+def _word(text: str) -> str:
+    """Write a word bare, spaces as underscores, or quoted where that would lose something."""
+    bare = _BARE.match(text) is not None and text not in _RESERVED
+    return text.replace(" ", "_") if bare else json.dumps(text)
+
+
+def _predicates(term: ObjectTerm, var: str) -> list[str]:
+    """Write an object: what must hold, the category last, then what else is said of it."""
+    found = [f"{_word(w)}({var})" for w in (*term.attributes, term.category)]
+    found += [f"not {_word(w)}({var})" for w in term.without]
+    if term.word != term.category:
+        found.append(f"said({var}, {json.dumps(term.word)})")
+    if term.owner is not None:
+        found.append(f"of({var}, {json.dumps(term.owner)})")
+    if term.quantity is not None:
+        found.append(f"count({var}, {term.quantity})")
+    if term.where is not None:
+        inner = f"{var}1"
+        found += _predicates(term.where.object, inner)
+        found.append(f"{'not ' if term.where.negated else ''}{term.where.kind}({var}, {inner})")
+    return found
+
+
+def _slice(time: TimeSlice) -> str:
+    if time.is_point and time.start is not None:
+        return f"{_TIME} = {time.start.isoformat()}"
+    start = f"{time.start.isoformat()} <= " if time.start else ""
+    end = f" < {time.end.isoformat()}" if time.end else ""
+    return f"{start}{_TIME}{end}"
+
+
+# -- reading --------------------------------------------------------------------------------------
+
+
+@dataclass
+class _Object:
+    """What the predicates say of one variable."""
+
+    words: list[str] = field(default_factory=list)
+    without: list[str] = field(default_factory=list)
+    said: str | None = None
+    owner: str | None = None
+    quantity: int | None = None
+    related: tuple[str, str, bool] | None = None
+
+
+@dataclass
+class _Line:
+    """A line taken apart, before it is a query."""
+
+    objects: dict[str, _Object] = field(default_factory=dict)
+    found: list[list[str]] = field(default_factory=list)
+    stored: bool = False
+    relation: Relation | None = None
+    place: str | None = None
+    time: TimeSlice | None = None
+    timed: bool = False
+    settings: dict[str, str] = field(default_factory=dict)
+
+
+@lru_cache(maxsize=1)
+def _parser() -> Lark:
+    grammar = Path(__file__).with_name("notation.lark").read_text(encoding="utf-8")
+    return Lark(grammar, parser="lalr", maybe_placeholders=False)
+
+
+def read(text: str, *, now: datetime) -> FormalQuery:
+    """Return the query of a line of notation, the paper's own strings included.
+
+    now: aware; a bare clock time (1300) is the last one gone by before it. Raises NotUnderstood with
+    the position of what could not be read.
+    """
+    try:
+        tree = _parser().parse(text)
+    except UnexpectedInput as error:
+        position = error.pos_in_stream if error.pos_in_stream is not None else len(text)
+        position = len(text) if position < 0 else position
+        raise NotUnderstood(
+            text, position, f"The notation breaks off at “{text[position : position + 20]}”."
+        ) from error
+    try:
+        return _Reader(text, now).query(cast("Tree[Token]", tree))
+    except (FormError, ValueError, OverflowError) as error:
+        raise NotUnderstood(text, 0, f"The notation makes no query: {error}.") from error
+
+
+class _Reader:
+    """Walks the tree of one line."""
+
+    def __init__(self, text: str, now: datetime) -> None:
+        self.text, self.now, self.line = text, now, _Line()
+
+    def query(self, tree: Tree[Token]) -> FormalQuery:
+        """Return the query of the whole line."""
+        for part in tree.children:
+            if isinstance(part, Tree):
+                match part.data:
+                    case "predicates":
+                        for predicate in part.children:
+                            self._predicate(cast("Tree[Token]", predicate))
+                    case "call":
+                        self._call(part)
+                    case _:
+                        for clause in part.children:
+                            self._clause(cast("Tree[Token]", clause))
+        return self._built()
+
+    def _predicate(self, tree: Tree[Token]) -> None:
+        children = list(tree.children)
+        negated = isinstance(children[0], Token) and children[0].type == "NOT"
+        word = _text(children[1 if negated else 0])
+        var, *rest = (str(child) for child in children[2 if negated else 1 :])
+        if word == "time" and not rest and not negated and var == _TIME:
+            self.line.timed = True
+            return
+        thing = self.line.objects.setdefault(var, _Object())
+        match tree.data:
+            case "holds":
+                (thing.without if negated else thing.words).append(word)
+            case "relates":
+                self.line.objects.setdefault(rest[0], _Object())
+                thing.related = (word, rest[0], negated)
+            case "counts":
+                thing.quantity = int(rest[0])
+            case _ if word == "said":
+                thing.said = json.loads(rest[0])
+            case _ if word == "of":
+                thing.owner = json.loads(rest[0])
+            case _:
+                raise FormError(f"{word}(x, …) is unknown; said and of take a text")
+
+    def _call(self, tree: Tree[Token]) -> None:
+        finder, *arguments = tree.children
+        if str(finder).lower().startswith("stc"):
+            self.line.stored = True
+        else:
+            self.line.found.append([])
+        for argument in arguments:
+            self._argument(cast("Tree[Token]", argument))
+
+    def _argument(self, tree: Tree[Token]) -> None:
+        match tree.data:
+            case "call":
+                self._call(tree)
+            case "place":
+                self.line.place = _text(tree.children[1])
+            case "named":
+                negated = len(tree.children) == 2
+                self._named(str(tree.children[-1]), negated=negated)
+            case _:
+                self._bounded([_moment_text(child) for child in tree.children])
+
+    def _named(self, name: str, *, negated: bool) -> None:
+        if name in self.line.objects and not negated:
+            if not self.line.found:
+                self.line.found.append([])
+            self.line.found[-1].append(name)
+        elif name in RELATION_KINDS:
+            self.line.relation = Relation(cast("RelationKind", name), negated)
+        elif name == _TIME:
+            self.line.time = self.line.time or TimeSlice()
+        else:
+            raise FormError(f"{name} is no variable and no relation")
+
+    def _bounded(self, parts: list[str]) -> None:
+        """Read `1600 >= t >= 1300`, `t = …`; the variable stands between or at one end."""
+        start: str | None = None
+        end: str | None = None
+        for left, op, right in zip(parts[::2], parts[1::2], parts[2::2], strict=False):
+            bound, below = (
+                (right, op in (">=", ">", "≥"))
+                if left == _TIME
+                else (
+                    left,
+                    op in ("<=", "<", "≤"),
+                )
+            )
+            if op == "=":
+                start = end = bound
+            elif below:
+                start = bound
+            else:
+                end = bound
+        self.line.time = self._slice(start, end)
+
+    def _slice(self, start: str | None, end: str | None) -> TimeSlice:
+        """Return the slice of two times; a clock time is the last one gone by."""
+        first = self._moment(start, None) if start else None
+        last = self._moment(end, first) if end else None
+        if start == end:
+            last = first
+        return TimeSlice(first, last)
+
+    def _moment(self, text: str, after: datetime | None) -> datetime:
+        if "T" in text:
+            moment = datetime.fromisoformat(text)
+            return moment if moment.tzinfo else moment.replace(tzinfo=self.now.tzinfo)
+        digits = text.replace(":", "").zfill(4)
+        hour, minute = int(digits[:-2]), int(digits[-2:])
+        if hour > 24 or minute > 59:
+            raise FormError(f"{text} is no clock time")
+        day = (after or self.now).replace(hour=0, minute=0, second=0, microsecond=0)
+        moment = (day + timedelta(days=hour // 24)).replace(hour=hour % 24, minute=minute)
+        if after is None and moment > self.now:
+            return moment - timedelta(days=1)
+        return moment + timedelta(days=1) if after is not None and moment < after else moment
+
+    def _clause(self, tree: Tree[Token]) -> None:
+        name, *value = (str(child) for child in tree.children)
+        if tree.data == "text" and name == "said":
+            self.line.settings["said"] = json.loads(value[0])
+        elif tree.data == "setting" and name in ("form", "ask", "select"):
+            self.line.settings[name] = value[0]
+        elif tree.data == "flag" and name == "negated":
+            self.line.settings[name] = ""
+        else:
+            raise FormError(f"{name} is unknown here; form, ask, select, negated and said are not")
+
+    # -- the query ------------------------------------------------------------------------------
+
+    def _built(self) -> FormalQuery:
+        line, settings = self.line, self.line.settings
+        terms = self._terms()
+        relation = line.relation
+        if (
+            not settings
+            and line.stored
+            and relation is None
+            and line.time is None
+            and len(terms) > 1
+        ):
+            relation = Relation("together")  # the paper's Q2: both found in STc is together
+        ask = settings.get("ask") or self._ask(relation)
+        form = settings.get("form") or self._form(relation)
+        select = settings.get("select", "all")
+        for value, allowed in ((ask, ASKS), (form, FORMS), (select, SELECTS)):
+            if value not in allowed:
+                raise FormError(f"{value} must be one of {', '.join(allowed)}")
+        return FormalQuery(
+            text=settings.get("said", self.text),
+            form=cast("Form", form),
+            ask=cast("Ask", ask),
+            objects=terms,
+            relation=relation,
+            place=line.place,
+            time=line.time,
+            select=cast("Select", select),
+            negated="negated" in settings,
+        )
+
+    def _ask(self, relation: Relation | None) -> str:
+        if not self.line.stored:
+            return "whether"
+        return "when" if relation is not None and self.line.time is None else "where"
+
+    def _form(self, relation: Relation | None) -> str:
+        if relation is not None:
+            return "Q2"
+        return "Q3" if self.line.stored else "Q1"
+
+    def _terms(self) -> tuple[ObjectTerm, ...]:
+        found = [var for group in self.line.found for var in group]
+        if not found and self.line.objects:
+            found = list(self.line.objects)
+        split = [self._bound_apart(group) for group in self.line.found] if found else []
+        if not self.line.found:
+            split = [self._bound_apart(found)]
+        return tuple(self._term(owner) for group in split for owner in group)
+
+    def _bound_apart(self, group: list[str]) -> list[_Object]:
+        """Bind the paper's `pink(x), cup(y)` to one object: attributes go with the next category."""
+        attributes = lexicon().attributes
+        out: list[_Object] = []
+        waiting: list[str] = []
+        for i, var in enumerate(group):
+            thing = self.line.objects[var]
+            alone = len(thing.words) == 1 and thing == _Object(words=thing.words)
+            if (
+                alone
+                and not self.line.settings
+                and thing.words[0] in attributes
+                and i + 1 < len(group)
+            ):
+                waiting += thing.words
+                continue
+            out.append(replace(thing, words=[*waiting, *thing.words]))
+            waiting = []
+        return out
+
+    def _term(self, thing: _Object, depth: int = 0) -> ObjectTerm:
+        if not thing.words:
+            raise FormError("an object has no category")
+        if depth > 8:
+            raise FormError("objects describe each other in a circle")
+        where = None
+        if thing.related is not None:
+            said, var, negated = thing.related
+            kind = said.replace(" ", "_")
+            inner = self._term(self.line.objects[var], depth + 1)
+            where = Where(cast("RelationKind", kind), inner, negated)
+        return ObjectTerm(
+            category=thing.words[-1],
+            word=thing.said or "",
+            attributes=tuple(thing.words[:-1]),
+            without=tuple(thing.without),
+            owner=thing.owner,
+            quantity=thing.quantity,
+            where=where,
+        )
+
+
+def _text(node: Any) -> str:
+    """Return the word of a `word` node: a string as it stands, a name with spaces for underscores."""
+    token = node.children[0] if isinstance(node, Tree) else node
+    return json.loads(token) if token.type == "STRING" else str(token).replace("_", " ")
+
+
+def _moment_text(node: Any) -> str:
+    token = node.children[0] if isinstance(node, Tree) else node
+    return str(token)
