@@ -11,7 +11,7 @@ import json
 import threading
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager
+from contextlib import AbstractContextManager, contextmanager
 from typing import Any
 
 import numpy as np
@@ -61,8 +61,11 @@ class MongoStore:
         client: MongoClient[Document],
         database: Database[Document],
         translated: Translate,
+        *,
+        read_only: bool = False,
     ) -> None:
         self.uri = uri
+        self._read_only = read_only
         self._client = client
         self._db = database
         self._translated = translated
@@ -77,10 +80,17 @@ class MongoStore:
         self._client.close()
 
     # writing
+    @contextmanager
+    def _writing(self) -> Iterator[None]:
+        if self._read_only:
+            raise StoreError(f"{self.uri}: it was opened for reading only")
+        with self._lock, self._translated(self.uri):
+            yield
+
     def apply(self, batch: Batch) -> None:
         """Apply a batch; returns when a majority of the servers has it in their journals."""
         check_batch(batch)
-        with self._lock, self._translated(self.uri):
+        with self._writing():
             if self._unfinished:
                 self.recover()
             self._writer.check(batch)
@@ -93,7 +103,7 @@ class MongoStore:
 
     def recover(self) -> None:
         """Apply again what a writer has written down and not finished."""
-        with self._lock, self._translated(self.uri):
+        with self._writing():
             entry = self._journal.pending()
             if entry is not None:
                 self._writer.write(entry)
@@ -102,7 +112,7 @@ class MongoStore:
 
     def collect_keyframes(self, keep: Sequence[str] = ()) -> int:
         """Remove pictures that nothing refers to, but for `keep`; count them."""
-        with self._lock, self._translated(self.uri):
+        with self._writing():
             unused = set(self.keyframe_keys()) - mongo_check.images(self._db) - set(keep)
             return sum(
                 self._db["keyframes"].delete_many({"_id": {"$in": part}}).deleted_count

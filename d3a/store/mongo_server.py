@@ -62,7 +62,7 @@ def open_mongo(
             _claim(database, create=create)
             if not read_only:
                 _index(database)
-            store = MongoStore(masked, client, database, translated)
+            store = MongoStore(masked, client, database, translated, read_only=read_only)
             if not read_only:
                 store.recover()
         except BaseException:

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
-from pymongo import DeleteMany, DeleteOne, ReplaceOne, UpdateMany, UpdateOne
+from pymongo import DeleteMany, DeleteOne, ReplaceOne, UpdateOne
 from pymongo.database import Database
 
 from d3a.store import mongo_documents as documents
@@ -17,6 +17,7 @@ from d3a.store.mongo_journal import Entry, StatePointer, write_parts
 from d3a.store.records import meta_json
 
 SENT_AT_ONCE = 500
+_ANOTHER = "does another process write to this store?"
 Operation = Any  # one of pymongo's bulk operations
 
 
@@ -26,6 +27,24 @@ class Part:
 
     seq: int
     starts: set[int]
+
+
+@dataclass(slots=True)
+class Addition:
+    """New intervals of one document; before: how many it holds, which guards the push."""
+
+    before: int
+    records: list[Sighting] = field(default_factory=list)
+
+    def push(self, key: str) -> Operation:
+        """Return the push; it finds no document where another process was quicker."""
+        change = {
+            "$push": {"intervals": {"$each": [documents.interval(r) for r in self.records]}},
+            "$set": {"n": self.before + len(self.records)},
+            "$min": {"first": documents.date(min(r.start_ms for r in self.records))},
+            "$max": {"last": documents.date(max(r.end_ms for r in self.records))},
+        }
+        return UpdateOne({"_id": key, "n": self.before}, change)
 
 
 def in_parts(values: Iterable[Any]) -> Iterator[list[Any]]:
@@ -100,9 +119,10 @@ class Writer:
         self._put("meta", [{"_id": "d3a:state", "digest": state.digest, "parts": state.parts}])
         self._db["state"].delete_many({"digest": {"$ne": state.digest}})
 
-    def _bulk(self, name: str, operations: Iterable[Operation]) -> None:
-        for part in in_parts(operations):
-            self._db[name].bulk_write(part, ordered=True)
+    def _bulk(self, name: str, operations: Iterable[Operation]) -> int:
+        """Send the operations in order and return how many found their document."""
+        results = [self._db[name].bulk_write(p, ordered=True) for p in in_parts(operations)]
+        return sum(result.matched_count for result in results)
 
     def _put(self, name: str, puts: Iterable[Document]) -> None:
         last = {put["_id"]: put for put in puts}  # of two puts of one key the later one counts
@@ -131,17 +151,20 @@ class Writer:
 
     def _remove_sightings(self, keys: Sequence[tuple[str, int, int]]) -> None:
         layout = self._layout({(object_id, int(place)) for object_id, place, _ in keys})
-        operations = []
+        gone: dict[StayKey, set[int]] = {}
         for object_id, place, start_ms in keys:
-            for part in layout.get((object_id, int(place)), []):
-                if int(start_ms) in part.starts:
-                    part.starts.remove(int(start_ms))
-                    change = {
-                        "$pull": {"intervals": {"start": documents.date(start_ms)}},
-                        "$set": {"n": len(part.starts)},
-                    }
-                    key = documents.stay_id((object_id, int(place)), part.seq)
-                    operations.append(UpdateOne({"_id": key}, change))
+            gone.setdefault((object_id, int(place)), set()).add(int(start_ms))
+        operations = []
+        for stay, starts in gone.items():
+            for part in layout.get(stay, []):
+                pulled = [documents.date(start_ms) for start_ms in starts & part.starts]
+                change = {
+                    "$pull": {"intervals": {"start": {"$in": pulled}}},
+                    "$set": {"n": len(part.starts - starts)},
+                }
+                if pulled:
+                    key = {"_id": documents.stay_id(stay, part.seq)}
+                    operations.append(UpdateOne(key, change))
         self._bulk("stc", operations)
 
     # puts into stc
@@ -162,69 +185,60 @@ class Writer:
         return {key: sorted(parts, key=lambda p: p.seq) for key, parts in found.items()}
 
     def _put_stays(self, records: Sequence[StayRecord]) -> None:
+        last = {record.key: record for record in records}
         operations: list[Operation] = []
-        for record in records:
-            loc = documents.location(record)
+        for key, record in last.items():
             whole = documents.stay_part(record)
-            moved: Document = {"$set": {"site": whole["site"], "z": whole["z"]}}
-            if loc is None:
-                moved["$unset"] = {"loc": ""}
-            else:
-                moved["$set"]["loc"] = loc
+            moved = _moved(record, whole)
             first: Document = {
+                **moved,
                 "$set": {**moved["$set"], "stay": whole["stay"]},
                 "$min": {"first": whole["stay"]["first"]},
                 "$max": {"last": whole["stay"]["last"]},
-                "$setOnInsert": _new_part(record.key, 0),
+                "$setOnInsert": _new_part(key, 0),
             }
-            first |= {name: moved[name] for name in moved if name != "$set"}
-            operations.append(
-                UpdateOne({"_id": documents.stay_id(record.key, 0)}, first, upsert=True)
-            )
-            object_id, place = record.key
-            others = {"object_id": object_id, "place": int(place), "seq": {"$gt": 0}}
-            operations.append(UpdateMany(others, moved))
+            operations.append(UpdateOne({"_id": documents.stay_id(key, 0)}, first, upsert=True))
+        for part in in_parts(last):
+            ids = {"object_id": {"$in": sorted({object_id for object_id, _ in part})}}
+            shown = {"object_id": 1, "place": 1}
+            for other in self._db["stc"].find({**ids, "seq": {"$gt": 0}}, shown):
+                key = (other["object_id"], other["place"])
+                if key in last:
+                    moved = _moved(last[key], documents.stay_part(last[key]))
+                    operations.append(UpdateOne({"_id": other["_id"]}, moved))
         self._bulk("stc", operations)
 
     def _put_sightings(self, records: Sequence[Sighting]) -> None:
+        """Replace the intervals that are there, push the others into each stay's newest part."""
         last: dict[tuple[str, int, int], Sighting] = {}  # of two puts of one key the later counts
         for record in records:
             last[record.object_id, int(record.place), int(record.start_ms)] = record
         layout = self._layout({record.stay for record in last.values()})
-        operations: list[Operation] = []
+        replaced: list[Operation] = []
+        added: dict[str, Addition] = {}
         for record in last.values():
             if record.stay not in layout:
-                raise StoreError(f"the stay {record.stay} has gone: does another process write?")
+                raise StoreError(f"the stay {record.stay} has gone: {_ANOTHER}")
             parts = layout[record.stay]
             holder = next((part for part in parts if int(record.start_ms) in part.starts), None)
-            if holder is None:
-                operations.append(self._added(record, parts))
-            else:
-                operations.append(_extended(record, holder.seq))
-        self._bulk("stc", operations)
-
-    def _added(self, record: Sighting, parts: list[Part]) -> Operation:
-        """Return the push of a new interval into the newest part, or into the next one."""
-        if len(parts[-1].starts) >= MAX_INTERVALS:
-            parts.append(Part(parts[-1].seq + 1, set()))
-            self._start_part(record.stay, parts[-1].seq)
-        newest = parts[-1]
-        newest.starts.add(int(record.start_ms))
-        start = documents.date(record.start_ms)
-        change = {
-            "$push": {"intervals": documents.interval(record)},
-            "$set": {"n": len(newest.starts)},
-            "$min": {"first": start},
-            "$max": {"last": documents.date(record.end_ms)},
-        }
-        key = documents.stay_id(record.stay, newest.seq)
-        return UpdateOne({"_id": key, "intervals.start": {"$ne": start}}, change)
+            if holder is not None:
+                replaced.append(_replacement(record, holder.seq))
+                continue
+            if len(parts[-1].starts) >= MAX_INTERVALS:
+                parts.append(Part(parts[-1].seq + 1, set()))
+                self._start_part(record.stay, parts[-1].seq)
+            key = documents.stay_id(record.stay, parts[-1].seq)
+            added.setdefault(key, Addition(len(parts[-1].starts))).records.append(record)
+            parts[-1].starts.add(int(record.start_ms))
+        pushed = [addition.push(key) for key, addition in added.items()]
+        if self._bulk("stc", replaced + pushed) != len(replaced) + len(pushed):
+            raise StoreError(f"documents of stays changed meanwhile: {_ANOTHER}")
 
     def _start_part(self, stay: StayKey, seq: int) -> None:
         """Make the next document of a stay, empty, with the place of the first."""
         first = self._db["stc"].find_one({"_id": documents.stay_id(stay, 0)}, {"intervals": 0})
         if first is None:
-            raise StoreError(f"the stay {stay} has gone: does another process write?")
+            raise StoreError(f"the stay {stay} has gone: {_ANOTHER}")
         shared: Document = {name: first[name] for name in ("site", "z", "loc") if name in first}
         document: Document = {**_new_part(stay, seq), **shared}
         key = {"_id": documents.stay_id(stay, seq)}
@@ -235,7 +249,18 @@ def _new_part(stay: StayKey, seq: int) -> Document:
     return {"object_id": stay[0], "place": int(stay[1]), "seq": seq, "n": 0, "intervals": []}
 
 
-def _extended(record: Sighting, seq: int) -> Operation:
+def _moved(record: StayRecord, whole: Document) -> Document:
+    """Return the update that every document of a stay takes."""
+    loc = documents.location(record)
+    moved: Document = {"$set": {"site": whole["site"], "z": whole["z"]}}
+    if loc is None:
+        moved["$unset"] = {"loc": ""}
+    else:
+        moved["$set"]["loc"] = loc
+    return moved
+
+
+def _replacement(record: Sighting, seq: int) -> Operation:
     start = documents.date(record.start_ms)
     change = {
         "$set": {"intervals.$": documents.interval(record)},

@@ -62,8 +62,8 @@ def _make_file(path: Path) -> None:
     """Make an empty file that its owner alone may read: the log and the index take its mode."""
     if path.is_dir():
         raise StoreUnreachable(f"sqlite:///{path}: {path} is a folder; name a file in it")
+    path.parent.mkdir(parents=True, exist_ok=True)
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
         os.close(os.open(path, os.O_CREAT | os.O_EXCL | os.O_RDWR, 0o600))
     except FileExistsError:
         return  # the store, or what `_prepare` will refuse
