@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from rapidfuzz import fuzz, process
 
 from grammar import vocabulary
+from grammar.vocabulary import lexicon
 
 LEAST_ALIKE = 60.0
 """Words less alike than this, of 100, are no suggestion for each other."""
@@ -33,6 +34,10 @@ class VocabularyLexicon:
                 found.append(word)
                 waiting += vocabulary.narrower(word)
         return tuple(found)
+
+    def is_part(self, word: str) -> bool:
+        """Return whether a word names a part of a thing: handle, lid."""
+        return word in lexicon().parts
 
     def nearest(self, word: str, among: Sequence[str]) -> Sequence[str]:
         """Return up to three words like `word`: of one kind with it first, then by spelling.

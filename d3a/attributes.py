@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from d3a.colours import BASIC, HISTOGRAM_SIZE, Palette, is_colour, judge, words_of
-from d3a.match import Candidate
+from d3a.match import Candidate, Lexicon
 from d3a.plan import JudgeAttributes
 from d3a.relations import normal_cdf
 
@@ -48,16 +48,19 @@ class Judged:
 
 
 def judged(
-    step: JudgeAttributes, found: Sequence[Candidate], palette: Callable[[], Palette]
+    step: JudgeAttributes,
+    found: Sequence[Candidate],
+    palette: Callable[[], Palette],
+    lexicon: Lexicon,
 ) -> Judged:
     """Score the attributes of a step on the objects found; order and match stay.
 
     palette: read only where a colour is asked, it costs a query.
     """
-    wanted = merged_shades(step.attributes)
+    wanted, parts = without_parts(merged_shades(step.attributes), lexicon)
     colours = [word for word in wanted if is_colour(word)]
     scores: list[tuple[str, NDArray[np.float64], NDArray[np.bool_]]] = []
-    unjudged: list[str] = []
+    unjudged: list[str] = list(parts)
     if colours:
         result = _colour(colours, found, palette)
         if result is None:
@@ -92,6 +95,22 @@ def merged_shades(words: Sequence[str]) -> list[str]:
         else:
             out.append(word)
     return out
+
+
+def without_parts(words: Sequence[str], lexicon: Lexicon) -> tuple[list[str], list[str]]:
+    """Return what is said of the thing, and what is said of a part of it ("white handle").
+
+    The histogram of a box does not tell which pixels are the handle's.
+    """
+    whole: list[str] = []
+    parts: list[str] = []
+    for word in words:
+        if lexicon.is_part(word):
+            said = [whole.pop()] if len(whole) > 1 else []
+            parts.append(" ".join([*said, word]))
+        else:
+            whole.append(word)
+    return whole, parts
 
 
 def _qualifies(first: str, second: str) -> bool:

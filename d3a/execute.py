@@ -116,6 +116,7 @@ def _take(run: Run, step: Step) -> None:
                 step.select,
                 spread=step.spread,
                 unjudged=len(run.unjudged),
+                at_ms=milliseconds(step.at),
             )
         case FindLaterNames():
             _find_later_names(run, step)
@@ -157,7 +158,7 @@ def _judge(run: Run, step: JudgeAttributes) -> None:
     table = run.found[step.var]
     if not table.candidates:
         return
-    verdict = judged(step, list(table.candidates.values()), run.palette)
+    verdict = judged(step, list(table.candidates.values()), run.palette, run.lexicon)
     for words in verdict.unjudged:
         run.leave_out(words)
     table.refused = [c for name, c in table.candidates.items() if name not in verdict.kept]

@@ -39,6 +39,10 @@ class Lexicon(Protocol):
         """Return the categories that it takes in."""
         ...
 
+    def is_part(self, word: str) -> bool:
+        """Return whether a word names a part of a thing: handle, lid."""
+        ...
+
     def nearest(self, word: str, among: Sequence[str]) -> Sequence[str]:
         """Return up to three words of `among` that are like it, best first."""
         ...

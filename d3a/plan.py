@@ -155,11 +155,13 @@ class Rank:
 
     spread: a second keyframe of the same object and place counts half, so that near-duplicates
     do not fill the list. vars: more than one where several objects are asked for at once.
+    at: the moment asked for; what was seen nearest to it comes first.
     """
 
     vars: tuple[str, ...]
     select: Select
     spread: bool
+    at: datetime | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -263,7 +265,8 @@ def plan(
         steps.append(FindLaterNames(var))
     steps.append(Measure(query.ask, var, objects[0].quantity))
     alone = names if query.relation is None and not kept else (var,)
-    steps.append(Rank(alone, query.select, spread=_spreads(query)))
+    point = query.time.start if query.time is not None and query.time.is_point else None
+    steps.append(Rank(alone, query.select, _spreads(query), point))
     steps.append(FindLandmarks(var))
     steps.append(Cover(query.place))
     steps.append(ExplainEmpty(alone, query.time, query.place))

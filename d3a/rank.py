@@ -7,7 +7,7 @@ asked one, the detector was right, the relation held. Every factor is kept and t
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from d3a.model import Json
@@ -34,19 +34,29 @@ class Ranked:
 
 
 def rank(
-    moments: Sequence[Moment], select: Select, *, spread: bool, unjudged: int = 0
+    moments: Sequence[Moment],
+    select: Select,
+    *,
+    spread: bool,
+    unjudged: int = 0,
+    at_ms: int | None = None,
 ) -> list[Ranked]:
     """Return the moments best first.
 
     "all": by score. "last" and "first": by time among those at least half as likely as the best,
     each object at each place once before any twice; then the rest by score. "usual": by score,
     which holds the share of time. Ties go by start, then by object id and place.
+    at_ms: a moment asked for: then time decides by the distance from it, before counts as nearer.
     unjudged: how many conditions of the question were left out.
     """
     scored = [_scored(moment, unjudged) for moment in moments]
     scored.sort(key=_by_score)
-    if select in ("last", "first"):
-        return _by_time(scored, newest=select == "last")
+    if at_ms is not None:
+        return _by_time(scored, lambda moment: _distance(moment, at_ms))
+    if select == "last":
+        return _by_time(scored, lambda moment: (-moment.end_ms, 0))
+    if select == "first":
+        return _by_time(scored, lambda moment: (moment.start_ms, 0))
     return sorted(_spread(scored), key=_by_score) if spread else scored
 
 
@@ -128,19 +138,25 @@ def _spread(scored: Sequence[Ranked]) -> list[Ranked]:
     return out
 
 
-def _by_time(scored: Sequence[Ranked], *, newest: bool) -> list[Ranked]:
+def _distance(moment: Moment, at_ms: int) -> tuple[int, int]:
+    """Return how far a moment is from another: 0 inside of it, what came before it first."""
+    if moment.end_ms < at_ms:
+        return (0, at_ms - moment.end_ms)
+    return (0, 0) if moment.start_ms <= at_ms else (1, moment.start_ms - at_ms)
+
+
+def _by_time(scored: Sequence[Ranked], when: Callable[[Moment], tuple[int, int]]) -> list[Ranked]:
     if not scored:
         return []
     least = scored[0].score * LEAST_OF_BEST
     likely = [one for one in scored if one.score >= least]
     rest = [one for one in scored if one.score < least]
 
-    def when(one: Ranked) -> tuple[int, float, str, int]:
+    def key_of(one: Ranked) -> tuple[int, int, float, str, int]:
         sighting = one.moment.figure.sighting
-        moment = -one.moment.end_ms if newest else one.moment.start_ms
-        return (moment, -one.score, sighting.object_id, sighting.place)
+        return (*when(one.moment), -one.score, sighting.object_id, sighting.place)
 
-    likely.sort(key=when)
+    likely.sort(key=key_of)
     once: set[tuple[tuple[str, int], ...]] = set()
     fresh: list[Ranked] = []
     again: list[Ranked] = []

