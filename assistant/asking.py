@@ -9,12 +9,10 @@ from time import perf_counter
 from typing import Literal, cast
 from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 
-from d3a.execute import execute
-from grammar.notation import looks_formal, read
-
 from assistant.lexicon import VocabularyLexicon
 from assistant.reply import sentence
 from d3a.answer import Answer, Status
+from d3a.execute import execute
 from d3a.model import Json
 from d3a.parameters import DEFAULT, PROFILES, Parameters
 from d3a.plan import Plan, Precision, plan
@@ -22,6 +20,7 @@ from d3a.store.base import NativeQuery, Store, StoreError
 from grammar import StoreWords, parse
 from grammar.errors import QuestionError
 from grammar.forms import FormalQuery
+from grammar.notation import looks_formal, read
 
 PRECISIONS: tuple[Precision, ...] = ("perfect", "category", "any")
 
@@ -237,9 +236,10 @@ def failure(text: str, error: StoreError) -> Answer:
 def _precision(word: str | None) -> Precision | None:
     if word is None:
         return None
-    if word not in PRECISIONS:
-        raise ValueError(f"precision {word!r} must be one of {', '.join(PRECISIONS)}")
-    return cast("Precision", word)
+    for precision in PRECISIONS:
+        if precision == word:
+            return precision
+    raise ValueError(f"precision {word!r} must be one of {', '.join(PRECISIONS)}")
 
 
 def _ms_since(started: float) -> float:
