@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import hashlib
 import os
+import re
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
+import d3a
 from assistant.config import STORE_SCHEME, Settings, user_cache
 from assistant.session import Session
 from assistant.wording import answer_lines
+from d3a.parameters import DEFAULT, Parameters
 
 QUESTIONS = (
     "Where are my keys?",
@@ -25,21 +28,17 @@ TOUR_ROWS = 3
 def demo_store(settings: Settings, tell: Callable[[str], None]) -> str:
     """Return the URI of the filled demo store, filling it where it is not there yet.
 
-    The file's name holds a digest of the recording and the parameters, so that a new release
-    fills anew. It is filled beside its place and then renamed: an interrupted run leaves nothing
+    The file's name holds a digest of the recording, the parameters and the program that fills
+    it, so that a new release fills anew. It is filled beside its place and then renamed: an interrupted run leaves nothing
     that looks whole. Raises StoreError, BadInput and SettingsError.
     """
     from assistant.home.folder import recording_folder
     from d3a.ingest import ingest
-    from d3a.parameters import DEFAULT
     from d3a.readers.opening import open_source
     from d3a.store import open_store
 
     folder = recording_folder()
-    digest = hashlib.sha256(repr(DEFAULT).encode())
-    for name in ("recording.json", "frames.jsonl", "detections.jsonl"):
-        digest.update((folder / name).read_bytes())
-    path = user_cache() / f"demo-{digest.hexdigest()[:12]}.db"
+    path = user_cache() / f"demo-{_digest(folder, DEFAULT)}.db"
     if not path.exists():
         if not settings.quiet:
             tell("Filling the demo home's memory, once ...")
@@ -50,15 +49,39 @@ def demo_store(settings: Settings, tell: Callable[[str], None]) -> str:
         finally:
             store.close()
         draft.replace(path)
-        _remove_others(path)
+    _remove_others(path)
     return STORE_SCHEME + str(path)
 
 
+def _digest(folder: Path, parameters: Parameters) -> str:
+    """Return what tells one filling from another: the recording, the parameters, the program."""
+    digest = hashlib.sha256(repr(parameters).encode())
+    for name in ("recording.json", "frames.jsonl", "detections.jsonl"):
+        digest.update((folder / name).read_bytes())
+    program = Path(d3a.__file__).parent
+    for source in sorted(program.rglob("*.py")):
+        digest.update(f"{source.relative_to(program)} {source.stat().st_size}\n".encode())
+    return digest.hexdigest()[:12]
+
+
 def _remove_others(path: Path) -> None:
-    """Remove the stores that earlier releases filled."""
-    for other in path.parent.glob("demo-*.db*"):
+    """Remove the stores of earlier releases, and drafts whose program is gone."""
+    for other in path.parent.glob("demo-*"):
+        owner = re.fullmatch(r"demo-\w+-(\d+)\.draft.*", other.name)
+        if owner is not None and _is_running(int(owner[1])):
+            continue
         if not other.name.startswith(path.name):
             other.unlink(missing_ok=True)
+
+
+def _is_running(process: int) -> bool:
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    except PermissionError:  # it runs, as somebody else's
+        return True
+    return process != os.getpid()
 
 
 def tour_lines(session: Session) -> Iterator[str]:

@@ -20,8 +20,9 @@ from PIL import Image, ImageDraw
 
 from assistant.cli import COMMANDS, main
 from assistant.config import Settings
+from d3a.answer import Answer
 from d3a.store import open_store
-from d3a.store.base import Batch, ObjectRecord
+from d3a.store.base import Batch, ObjectRecord, Sighting, StayRecord
 from tests.worlds import small_home
 
 NOW = "2026-03-01T19:00:00-05:00"
@@ -272,8 +273,18 @@ def test_batch_keeps_order_and_ids(run: Run, filled: str, tmp_path: Path) -> Non
     first, second, third = records(result)
     assert (first["status"], second["id"], third["status"]) == ("found", "b", "found")
     broken = run("batch", "-", "--store", filled, "--now", NOW, input='{"text": 1}\nwhere is it')
-    assert broken.exit_code == 1
-    assert records(broken)[0]["status"] == "error"
+    assert broken.exit_code == 0
+    assert [record["status"] for record in records(broken)] == ["not_understood"] * 2
+
+
+def test_batch_ends_with_1_when_the_store_failed_on_a_line(
+    run: Run, filled: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    failed = Answer(text="x", status="error", answer="I cannot reach my memory.")
+    monkeypatch.setattr("assistant.batch.run", lambda *_, **__: iter([failed, Answer()]))
+    result = run("batch", "-", "--store", filled, input="x")
+    assert result.exit_code == 1
+    assert len(records(result)) == 2
 
 
 def test_objects_lists_oic(run: Run, filled: str) -> None:
@@ -296,7 +307,7 @@ def test_objects_lists_oic(run: Run, filled: str) -> None:
 def test_explain_prints_query_plan_and_native_queries(run: Run, filled: str) -> None:
     result = run("explain", "where are the keys", "--store", filled, "--now", NOW)
     assert result.exit_code == 0
-    for part in ("keys(x)", "plan", "native queries", "SELECT"):
+    for part in ("key(x)", "plan", "native queries", "SELECT"):
         assert part in result.stdout
     refused = run("explain", "why?", "--store", filled)
     assert refused.exit_code == 5
@@ -344,9 +355,16 @@ def test_category_names_are_data(run: Run, tmp_path: Path) -> None:
     store = open_store(str(tmp_path / "nasty.db"))
     small_home.fill(store)
     at = small_home.ms(small_home.NOW)
-    store.apply(Batch(objects=[ObjectRecord("n-1", small_home.NASTY, 1.0, at, at)]))
+    store.apply(
+        Batch(
+            objects=[ObjectRecord("n-1", small_home.NASTY, 1.0, at, at)],
+            stays=[StayRecord("n-1", 1, (1.0, 1.0, 0.5), at, at, 1.0)],
+            sightings=[Sighting("n-1", 1, at, at, "f\x1b[2J", 0.9, small_home.BOX)],
+        )
+    )
     store.close()
-    for args in (("objects",), ("objects", "--json"), ("ask", "what did you see", "--json")):
+    ask = ("ask", "what did you see")
+    for args in (("objects",), ("objects", "--json"), ask, (*ask, "--json")):
         result = run(*args, "--store", "nasty.db", "--now", NOW)
         assert "mug [red]" in result.output
         assert "\x1b" not in result.output
