@@ -91,9 +91,11 @@ def translated(uri: str) -> Iterator[None]:
                 f"{uri}: the server refuses this user ({_said(error)})"
             ) from error
         raise StoreError(f"{uri}: {_said(error)}") from error
-    except (InvalidURI, ConfigurationError, ValueError) as error:
+    except (InvalidURI, ValueError) as error:  # their messages may quote a password
         said = "mongodb://host:27017/database would do"
         raise StoreUnreachable(f"{uri}: the address cannot be used; {said}") from error
+    except ConfigurationError as error:  # an unknown host of mongodb+srv, an unknown option
+        raise StoreUnreachable(f"{uri}: the address cannot be used ({error})") from error
     except PyMongoError as error:
         raise StoreError(f"{uri}: {error}") from error
 

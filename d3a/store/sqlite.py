@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 import sqlite3
 import threading
@@ -51,15 +52,33 @@ _KEY = re.compile(r"USING (INTEGER PRIMARY KEY|PRIMARY KEY)")
 _TREE = re.compile(r"SCAN (\w+_tree) VIRTUAL TABLE INDEX")
 
 
+BUSY_TIMEOUT_S = 10.0
+
+
+def connect(path: Path, *, read_only: bool) -> sqlite3.Connection:
+    """Connect to an existing file, in autocommit, for any thread; raises sqlite3.Error."""
+    log = path.with_name(path.name + "-wal")
+    mode = "mode=ro" if read_only else "mode=rw"
+    if read_only and not os.access(path.parent, os.W_OK) and not log.exists():
+        mode += "&immutable=1"  # a reader of a log must be able to make the log's index
+    return sqlite3.connect(
+        f"{path.absolute().as_uri()}?{mode}",
+        uri=True,
+        timeout=BUSY_TIMEOUT_S,
+        isolation_level=None,
+        check_same_thread=False,
+    )
+
+
 class SqliteStore:
     """`Store` in one file. One connection behind a lock: threads may share the store.
 
-    connection: opened by `sqlite_file.connect`, in autocommit; the store closes it.
+    connection: of `connect`, to a file that `sqlite_file` has prepared; the store closes it.
     """
 
     def __init__(self, path: Path, connection: sqlite3.Connection) -> None:
         self.uri = f"sqlite:///{path}"
-        self._path = path
+        self._path = path.absolute()
         self._db = connection
         self._lock = threading.RLock()
         self._observer: Callable[[NativeQuery], None] | None = None
@@ -269,7 +288,7 @@ class SqliteStore:
 
     def dump(self) -> Iterator[Json]:
         """Yield every record in a fixed order, from one moment, whatever is written meanwhile."""
-        with self._translated(), closing(_reader(self._path)) as connection:
+        with self._translated(), closing(connect(self._path, read_only=True)) as connection:
             yield from dump_records(_Moment(connection))
 
 
@@ -299,10 +318,6 @@ class _Moment:
         """Return the checkpoint."""
         row = self._db.execute("SELECT value FROM state").fetchone()
         return row[0] if row else None
-
-
-def _reader(path: Path) -> sqlite3.Connection:
-    return sqlite3.connect(f"{path.absolute().as_uri()}?mode=ro", uri=True, isolation_level=None)
 
 
 def _index_of(plan: list[Row]) -> str | None:

@@ -9,9 +9,8 @@ from pathlib import Path
 from d3a.store import schema
 from d3a.store.base import StoreError, StoreUnreachable
 from d3a.store.schema import APPLICATION_ID, Migration
-from d3a.store.sqlite import SqliteStore
+from d3a.store.sqlite import SqliteStore, connect
 
-BUSY_TIMEOUT_S = 10.0
 MIGRATIONS: tuple[Migration, ...] = ()
 _OLDEST = (3, 24, 0)  # the first with upserts
 
@@ -41,7 +40,7 @@ def open_sqlite(
     except OSError as error:
         raise StoreUnreachable(f"{uri}: {path} cannot be made: {error.strerror}") from error
     try:
-        connection = _connect(path, read_only=read_only)
+        connection = connect(path, read_only=read_only)
     except sqlite3.Error as error:
         raise StoreUnreachable(f"{uri}: {error}") from error
     try:
@@ -67,21 +66,6 @@ def _make_file(path: Path) -> None:
         os.close(os.open(path, os.O_CREAT | os.O_EXCL | os.O_RDWR, 0o600))
     except FileExistsError:
         return  # the store, or what `_prepare` will refuse
-
-
-def _connect(path: Path, *, read_only: bool) -> sqlite3.Connection:
-    uri = path.absolute().as_uri()
-    log = path.with_name(path.name + "-wal")
-    mode = "mode=ro" if read_only else "mode=rw"
-    if read_only and not os.access(path.parent, os.W_OK) and not log.exists():
-        mode += "&immutable=1"  # a reader of a log must be able to make the log's index
-    return sqlite3.connect(
-        f"{uri}?{mode}",
-        uri=True,
-        timeout=BUSY_TIMEOUT_S,
-        isolation_level=None,
-        check_same_thread=False,
-    )
 
 
 def _prepare(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import socket
 import sqlite3
 import stat
@@ -138,6 +139,41 @@ def test_two_processes_may_make_one_store(tmp_path: Path) -> None:
     assert failures == []
     with closing(open_store(str(path))) as store:
         assert len(store.objects()) == 4
+
+
+def test_a_store_on_a_read_only_medium_can_be_read(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Its folder takes no log: then the file cannot be changing either."""
+    path = tmp_path / "home.db"
+    with closing(open_store(str(path))) as store:
+        store.apply(Batch([ObjectRecord("a", "cup", 1.0, 0, 0)]))
+    monkeypatch.setattr(os, "access", lambda *_: False)
+    with closing(open_store(str(path), read_only=True)) as store:
+        assert [record.object_id for record in store.objects()] == ["a"]
+        assert len(list(store.dump())) == 1
+        assert [file.name for file in tmp_path.iterdir()] == ["home.db"]
+
+
+def test_threads_share_a_store(tmp_path: Path) -> None:
+    failures: list[BaseException] = []
+    with closing(open_store(str(tmp_path / "home.db"))) as store:
+
+        def work(name: str) -> None:
+            try:
+                for number in range(10):
+                    store.apply(Batch([ObjectRecord(f"{name}{number}", "cup", 1.0, 0, 0)]))
+                    assert store.objects(ids=[f"{name}{number}"])
+            except (StoreError, AssertionError) as error:
+                failures.append(error)
+
+        threads = [threading.Thread(target=work, args=(name,)) for name in "abcd"]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        assert failures == []
+        assert store.categories() == [("cup", 40)]
 
 
 def test_a_damaged_file_is_told(tmp_path: Path) -> None:
