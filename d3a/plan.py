@@ -153,8 +153,8 @@ class Measure:
 class Rank:
     """Order the moments by probability of correctness, or by time where the question says so.
 
-    spread: a second keyframe of the same object and place counts half, so that near-duplicates
-    do not fill the list. vars: more than one where several objects are asked for at once.
+    spread: each object at each place once before any twice, so that near-duplicates do not fill
+    the list. vars: more than one where several objects are asked for at once.
     at: the moment asked for; what was seen nearest to it comes first.
     """
 

@@ -7,6 +7,7 @@ asked one, the detector was right, the relation held. Every factor is kept and t
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
@@ -18,10 +19,8 @@ TENTATIVE = 0.8
 """A thing seen too seldom to be confirmed may be a mistake that its own probability hides."""
 UNJUDGED = 0.6
 """A condition that nobody could judge may well not hold."""
-REPEAT = 0.5
-"""What a second keyframe of the same object at the same place is worth beside the first."""
 LEAST_OF_BEST = 0.5
-"""For first and last, time decides among those at least this likely against the best."""
+"""Time, or variety, decides the order among those at least this likely against the best."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,7 +56,7 @@ def rank(
         return _by_time(scored, lambda moment: (-moment.end_ms, 0))
     if select == "first":
         return _by_time(scored, lambda moment: (moment.start_ms, 0))
-    return sorted(_spread(scored), key=_by_score) if spread else scored
+    return _spread(scored) if spread else scored
 
 
 def views_probability(probability: float, views: int) -> float:
@@ -122,20 +121,33 @@ def _places(moment: Moment) -> tuple[tuple[str, int], ...]:
 
 
 def _spread(scored: Sequence[Ranked]) -> list[Ranked]:
-    """Return the same with repeated objects at their places worth less."""
-    seen: dict[tuple[tuple[str, int], ...], int] = {}
+    """Return each object at each place once before any twice, among those about as likely.
+
+    A repeat is not told as likelier than what stands before it, so that the list stays by score.
+    """
+    if not scored:
+        return []
+    least = scored[0].score * LEAST_OF_BEST
     out: list[Ranked] = []
-    for one in scored:
-        key = _places(one.moment)
-        times = seen.get(key, 0)
-        seen[key] = times + 1
-        if times == 0:
-            out.append(one)
-            continue
-        factor = REPEAT**times
-        why = tuple(part | {"repeat": round(factor, 6)} for part in one.why)
-        out.append(Ranked(one.moment, one.score * factor, why))
+    for likely in (True, False):
+        rounds: dict[int, list[Ranked]] = {}
+        times: Counter[tuple[tuple[str, int], ...]] = Counter()
+        for one in scored:
+            if (one.score >= least) is likely:
+                key = _places(one.moment)
+                rounds.setdefault(times[key], []).append(one)
+                times[key] += 1
+        for number in sorted(rounds):
+            ceiling = out[-1].score if out else 1.0
+            out += [_at_most(one, ceiling) for one in rounds[number]]
     return out
+
+
+def _at_most(one: Ranked, ceiling: float) -> Ranked:
+    if one.score <= ceiling:
+        return one
+    factor = round(ceiling / one.score, 4)
+    return Ranked(one.moment, ceiling, tuple(part | {"repeat": factor} for part in one.why))
 
 
 def _distance(moment: Moment, at_ms: int) -> tuple[int, int]:

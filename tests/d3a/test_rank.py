@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from d3a.match import Candidate
 from d3a.moments import Entry, Moment
-from d3a.rank import LEAST_OF_BEST, REPEAT, TENTATIVE, UNJUDGED, entry_score, rank
+from d3a.rank import LEAST_OF_BEST, TENTATIVE, UNJUDGED, entry_score, rank
 from d3a.rank import views_probability as views
 from d3a.store.base import ObjectRecord, Sighting, StayRecord
 from grammar.forms import Select
@@ -65,12 +65,26 @@ def test_all_goes_by_score_and_ties_by_time_then_id() -> None:
     assert order(moments) == ["d@9", "c@1", "a@5", "b@5"]
 
 
-def test_a_second_keyframe_of_the_same_place_counts_half() -> None:
-    moments = [moment("a", 0), moment("a", 100), moment("b", 50, probability=0.5)]
-    assert order(moments, spread=True) == ["a@0", "b@50", "a@100"]
+def test_each_place_comes_once_before_any_twice() -> None:
+    unlikely = moment("c", 70, probability=0.3)
+    moments = [moment("a", 0), moment("a", 100), moment("b", 50, probability=0.6), unlikely]
+    assert order(moments, spread=True) == ["a@0", "b@50", "a@100", "c@70"]
     ranked = rank(moments, "all", spread=True)
-    assert ranked[2].score == pytest.approx(REPEAT * 0.9)
-    assert ranked[2].why[0]["repeat"] == REPEAT
+    assert [one.score for one in ranked] == pytest.approx([0.9, 0.6, 0.6, 0.3])
+    assert ranked[2].why[0]["repeat"] == pytest.approx(0.6667)
+    assert "repeat" not in ranked[3].why[0]
+
+
+def test_repeats_of_one_thing_alone_keep_their_score() -> None:
+    ranked = rank([moment("a", 0), moment("a", 100)], "all", spread=True)
+    assert [one.score for one in ranked] == pytest.approx([0.9, 0.9])
+
+
+def test_a_moment_asked_for_puts_the_nearest_first_and_before_is_nearer() -> None:
+    moments = [moment("a", 0), moment("a", 40, place=1), moment("b", 47), moment("a", 200, place=2)]
+    ranked = rank(moments, "all", spread=False, at_ms=50)
+    starts = [one.moment.start_ms for one in ranked]
+    assert starts == [47, 40, 0, 200]
 
 
 def test_last_goes_by_time_among_those_at_least_half_as_likely() -> None:
