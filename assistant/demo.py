@@ -29,8 +29,8 @@ def demo_store(settings: Settings, tell: Callable[[str], None]) -> str:
     """Return the URI of the filled demo store, filling it where it is not there yet.
 
     The file's name holds a digest of the recording, the parameters and the program that fills
-    it, so that a new release fills anew. It is filled beside its place and then renamed: an interrupted run leaves nothing
-    that looks whole. Raises StoreError, BadInput and SettingsError.
+    it, so that a new release fills anew. It is filled beside its place and then renamed: an
+    interrupted run leaves nothing that looks whole. Raises StoreError, BadInput and SettingsError.
     """
     from assistant.home.folder import recording_folder
     from d3a.ingest import ingest
