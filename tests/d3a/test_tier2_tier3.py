@@ -1,0 +1,133 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from d3a.ledger import Ledger
+from d3a.parameters import PAPER
+from d3a.paper import PaperPipeline
+from d3a.model import Detection
+from d3a.sightings import FrameRef, Scene
+from d3a.stm import Entry, ShortTermMemory
+from d3a.store.base import Batch
+from d3a.tier3 import Stored
+from tests.worlds.oracle import OracleStore
+from tests.worlds.rounds import colour
+
+
+def frame(number: int, x: float, look: int = 1, step_s: float = 1.0) -> Scene:
+    detection = Detection(
+        "cup", 0.8, (0, 0, 5, 5), position=(x, 0.0, 0.0), embedding=colour(look), row=number
+    )
+    return Scene(FrameRef(f"f{number}", round(number * step_s * 1000)), (detection,))
+
+
+class Line:
+    """The paper's pipeline with a store behind it."""
+
+    def __init__(self, **changes: object) -> None:
+        self.store = OracleStore()
+        self.ledger = Ledger(self.store)
+        parameters = PAPER.with_changes(**changes)
+        self.pipeline = PaperPipeline(self.ledger, Stored("lab", "rgb-8x8x8"), parameters)
+
+    def see(self, *scenes: Scene) -> None:
+        for each in scenes:
+            self.pipeline.observe(each)
+
+    def write(self, *, flush: bool = False) -> OracleStore:
+        if flush:
+            self.pipeline.flush()
+        self.pipeline.write()
+        self.store.apply(Batch(**self.ledger.batch_fields()))
+        self.ledger.clear()
+        return self.store
+
+
+def test_case_1_near_in_look_and_space_is_the_same() -> None:
+    line = Line()
+    line.see(frame(0, 1.0), frame(1, 1.0), frame(100, 1.3), frame(101, 1.3))
+    store = line.write(flush=True)
+    (stay,) = store.stays()
+    assert stay.seen == 4
+    assert stay.position is not None
+    assert stay.position[0] == pytest.approx(1.15)
+    assert stay.weight == pytest.approx(3.2)
+
+
+def test_case_2_alike_but_far_off_has_moved() -> None:
+    line = Line()
+    line.see(frame(0, 1.0), frame(1, 1.0), frame(100, 4.0), frame(101, 4.0))
+    store = line.write(flush=True)
+    (record,) = store.objects()
+    assert [stay.place for stay in store.stays()] == [0, 1]
+    moved = store.stays()[1].moved_from
+    assert moved is not None
+    assert moved[0] == 0
+    assert moved[1] == pytest.approx(1.0, abs=1e-6)
+    assert record.weight == pytest.approx(3.2)
+
+
+def test_case_3_another_look_is_another_thing() -> None:
+    line = Line()
+    line.see(frame(0, 1.0), frame(1, 1.0), frame(100, 1.0, look=9), frame(101, 1.0, look=9))
+    assert len(line.write(flush=True).objects()) == 2
+
+
+def test_the_memory_is_seen_while_it_fills_and_replaced_when_it_is_evicted() -> None:
+    line = Line()
+    line.see(frame(0, 1.0), frame(1, 1.0))
+    store = line.write()
+    assert [record.volatile for record in store.objects()] == [True]
+    assert [stay.volatile for stay in store.stays()] == [True]
+    assert len(store.sightings()) == 1
+    line.see(frame(2, 1.0))
+    store = line.write(flush=True)
+    assert [record.volatile for record in store.objects()] == [False]
+    assert [(stay.place, stay.volatile, stay.seen) for stay in store.stays()] == [(0, False, 3)]
+    assert [sighting.seen for sighting in store.sightings()] == [3]
+
+
+def test_a_full_memory_evicts_the_least_recently_viewed_and_tier_3_merges_it_again() -> None:
+    line = Line(stm_capacity=1)
+    pairs = [(0, 1.0), (100, 4.0), (200, 1.1), (300, 4.1)]
+    line.see(*(frame(n + k, x, look=1 if x < 2 else 9) for n, x in pairs for k in range(2)))
+    store = line.write(flush=True)
+    assert [(r.object_id, r.weight) for r in store.objects()] == [
+        ("o1", pytest.approx(3.2)),
+        ("o2", pytest.approx(3.2)),
+    ]
+    assert [stay.seen for stay in store.stays()] == [4, 4]
+
+
+def test_an_instance_keeps_its_object_whatever_is_more_alike_in_the_store() -> None:
+    """Both places of one instance go to one object, though a look-alike was stored before."""
+    line = Line(stm_capacity=3)
+    line.see(frame(0, 1.0), frame(1, 1.0))
+    line.write(flush=True)
+    line.see(frame(200, 5.0), frame(201, 5.0), frame(300, 9.0), frame(301, 9.0))
+    store = line.write(flush=True)
+    assert {stay.object_id for stay in store.stays()} == {"o1"}
+    assert [stay.place for stay in store.stays()] == [0, 1, 2]
+
+
+def test_intervals_close_after_a_pause_and_keep_the_best_frame() -> None:
+    line = Line()
+    line.see(frame(0, 1.0), frame(1, 1.0), frame(2000, 1.0), frame(2001, 1.0))
+    first, second = line.write(flush=True).sightings()
+    assert (first.start_ms, first.end_ms, first.frame) == (0, 1000, "f0")
+    assert (second.start_ms, second.end_ms) == (2_000_000, 2_001_000)
+
+
+def test_rows_stay_dense_when_entries_leave() -> None:
+    stm = ShortTermMemory(3)
+    entries = [Entry(n, n, "cup", 1.0, 1, n, n) for n in range(3)]
+    for n, entry in enumerate(entries):
+        stm.add(entry, np.full(3, float(n)), colour(n))
+    assert stm.least_recently_viewed() is entries[0]
+    stm.remove(entries[0])
+    assert [entry.serial for entry in stm] == [1, 2]
+    assert stm.position(entries[2])[0] == 2.0
+    assert [entry.serial for entry, _ in stm.near_in_look("cup", colour(2), 0.9)] == [2]
+    assert stm.near_in_look("bowl", colour(2), 0.9) == []
+    assert len(stm.near_in_look("cup", None, 0.9)) == 2

@@ -1,0 +1,302 @@
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from d3a import likelihood
+from d3a.ingest import ingest
+from d3a.likelihood import OTHER, SAME, CategoryModel, LookModel
+from d3a.model import Detection, Frame, Pose
+from d3a.parameters import DEFAULT, Parameters
+from tests.worlds.oracle import OracleStore
+from tests.worlds.rounds import (
+    CAMERA,
+    FORWARD,
+    START_MS,
+    ListReader,
+    Thing,
+    colour,
+    depth_png,
+    rounds,
+)
+
+
+def filled(frames: Sequence[Frame], parameters: Parameters = DEFAULT) -> OracleStore:
+    store = OracleStore()
+    ingest(ListReader(frames), store, parameters)
+    return store
+
+
+def single(
+    number: int, *detections: Detection, step_s: float = 60.0, pose: Pose | None = None
+) -> Frame:
+    time_ms = START_MS + round(number * step_s * 1000)
+    return Frame(f"f{number}", time_ms, pose, CAMERA, None, None, detections)
+
+
+def cup(
+    x: float | None = None, look: int | None = 1, category: str = "cup", left: float = 0.0
+) -> Detection:
+    position = None if x is None else (x, 0.0, 0.0)
+    embedding = None if look is None else colour(look)
+    box = (left, 0.0, left + 5, 5.0)
+    return Detection(category, 0.8, box, position=position, embedding=embedding)
+
+
+def test_things_apart_are_told_apart_and_found_again() -> None:
+    things = [Thing("cup", (0, 0, 0), 1), Thing("cup", (0, 2.5, 0), 2), Thing("bowl", (0, 0.7, 0), 3)]
+    store = filled(rounds(things, 60))
+    assert [(r.object_id, r.category, r.tentative) for r in store.objects()] == [
+        (record.object_id, record.category, False) for record in store.objects()
+    ]
+    assert Counter(r.category for r in store.objects()) == {"cup": 2, "bowl": 1}
+    for thing in things:
+        near = [
+            np.linalg.norm(np.array(stay.position) - thing.position) for stay in store.stays()
+        ]
+        assert min(near) < 0.1
+
+
+def test_one_sighting_is_tentative_and_the_second_ever_confirms() -> None:
+    first = single(0, cup(1.0))
+    (record,) = filled([first]).objects()
+    assert record.tentative
+    (record,) = filled([first, single(60 * 24, cup(1.0))]).objects()
+    assert not record.tentative
+
+
+def test_two_look_alikes_in_one_frame_are_two() -> None:
+    frames = [single(n, cup(1.0), cup(1.3, left=20)) for n in range(6)]
+    assert len(filled(frames).objects()) == 2
+
+
+def test_where_positions_are_useless_look_and_category_decide() -> None:
+    """One position for all, metres off: the gate follows the covariance."""
+    wide = tuple((np.eye(3) * 4.0).ravel().tolist())
+
+    def vague(x: float, look: int, left: float) -> Detection:
+        return Detection(
+            "cup", 0.9, (left, 0, left + 5, 5), (x, 0.0, 0.0), wide, embedding=colour(look)
+        )
+
+    offsets = [0.0, 1.5, -1.0, 3.0, 0.5, -2.0]
+    frames = [single(n, vague(x, 1, 0), vague(x, 2, 20)) for n, x in enumerate(offsets)]
+    store = filled(frames)
+    assert len(store.objects()) == 2
+    assert sorted(stay.seen for stay in store.stays()) == [6, 6]
+
+
+def test_without_any_position_look_and_category_decide() -> None:
+    frames = [single(n, cup(look=1), cup(look=2, left=20)) for n in range(5)]
+    store = filled(frames)
+    assert len(store.objects()) == 2
+    assert all(stay.position is None for stay in store.stays())
+
+
+def test_a_thing_without_a_picture_is_matched_by_place_and_category() -> None:
+    frames = [single(n, cup(1.0, None), cup(4.0, None, left=20)) for n in range(5)]
+    assert sorted(stay.seen for stay in filled(frames).stays()) == [5, 5]
+
+
+def test_a_wrong_category_now_and_then_is_outvoted() -> None:
+    names = ["cup", "cup", "bowl", "cup", "cup"]
+    frames = [single(n, cup(1.0, category=name)) for n, name in enumerate(names)]
+    (record,) = filled(frames).objects()
+    assert record.category == "cup"
+    assert record.categories == (("cup", pytest.approx(3.2)), ("bowl", pytest.approx(0.8)))
+
+
+def test_a_common_drift_is_taken_out() -> None:
+    """All things of a frame are off by the same 0.35 m: they are recognised together."""
+    rng = np.random.default_rng(1)
+    places = [0.0, 0.9, 1.8, 2.7]
+    frames = []
+    for n in range(40):
+        off = 0.35 * np.sign(np.sin(n)) * np.array([1.0, 0, 0])
+        pose = Pose((-2.0 + off[0], 0, 0), FORWARD)
+        found = [cup(x + off[0] + rng.normal(0, 0.03), None, left=10 * x) for x in places]
+        frames.append(single(n, *found, pose=pose))
+    store = filled(frames)
+    assert sorted(stay.seen for stay in store.stays()) == [40] * 4
+
+
+def test_shared_frames_become_encounters() -> None:
+    frames = [single(n, cup(1.0), cup(1.3, 2, "bowl", left=20), step_s=5) for n in range(6)]
+    (encounter,) = filled(frames).encounters()
+    assert (encounter.object_a, encounter.object_b) == ("o1", "o2")
+    assert encounter.seen == 6
+    assert encounter.box_a != encounter.box_b
+
+
+def test_an_interval_keeps_its_best_frame_and_closes_after_a_pause() -> None:
+    frames = [single(n, cup(1.0), step_s=60) for n in (0, 1, 2, 30, 31)]
+    first, second = filled(frames).sightings()
+    assert (first.seen, second.seen) == (3, 2)
+    assert first.end_ms - first.start_ms == 120_000
+
+
+def test_an_interval_is_split_and_can_be_joined_again() -> None:
+    store = filled([single(n, cup(1.0), step_s=300) for n in range(30)])
+    sightings = store.sightings()
+    assert len(sightings) == 3
+    for one, next_one in zip(sightings, sightings[1:], strict=False):
+        assert next_one.start_ms - one.end_ms == 1
+    assert sum(sighting.seen for sighting in sightings) == 30
+
+
+# Negative evidence and moves: a thing in front of a wall, then the wall alone
+
+
+def looking(n: int, *detections: Detection, away_m: float) -> Frame:
+    """A look from the same place with a turn away in between, so that each frame is a look."""
+    corner = 0.0 if n % 2 == 0 else 9.0
+    pose = Pose((0.0, corner, 0.0), FORWARD, tuple((np.eye(6) * 1e-4).ravel().tolist()))
+    time_ms = START_MS + n * 60_000
+    return Frame(
+        f"f{n}", time_ms, pose, CAMERA, None, depth_png(away_m), detections if n % 2 == 0 else ()
+    )
+
+
+def test_a_place_that_is_seen_through_was_left() -> None:
+    there = Detection("cup", 0.9, (28, 20, 36, 28), embedding=colour(1))
+    frames = [looking(n, there, away_m=2.0) for n in range(12)]
+    frames += [looking(n, away_m=4.0) for n in range(12, 24)]
+    (stay,) = filled(frames).stays()
+    assert stay.last_absent_ms is not None
+    assert stay.last_absent_ms > stay.last_ms
+    assert stay.last_absent_ms >= START_MS + 14 * 60_000
+
+
+def test_a_place_that_is_hidden_proves_nothing() -> None:
+    there = Detection("cup", 0.9, (28, 20, 36, 28), embedding=colour(1))
+    frames = [looking(n, there, away_m=2.0) for n in range(12)]
+    frames += [looking(n, away_m=0.8) for n in range(12, 60)]
+    (stay,) = filled(frames).stays()
+    assert stay.last_absent_ms is None
+
+
+def test_a_thing_that_is_seen_again_is_not_absent() -> None:
+    there = Detection("cup", 0.9, (28, 20, 36, 28), embedding=colour(1))
+    frames = [looking(n, there, away_m=2.0) for n in range(12)]
+    frames += [looking(n, away_m=4.0) for n in range(12, 24)]
+    frames += [looking(n, there, away_m=2.0) for n in range(24, 30)]
+    (stay,) = filled(frames).stays()
+    assert stay.last_absent_ms is None
+
+
+def test_a_thing_seen_once_expires_when_looks_do_not_find_it() -> None:
+    ghost = Detection("cup", 0.4, (28, 20, 36, 28), embedding=colour(1))
+    frames = [looking(0, ghost, away_m=2.0)]
+    frames += [looking(n, away_m=4.0) for n in range(1, 24)]
+    assert filled(frames).objects() == []
+
+
+def test_a_move_is_linked_when_the_old_place_was_seen_empty() -> None:
+    here = Detection("cup", 0.9, (14, 20, 22, 28), embedding=colour(1))
+    moved = Detection("cup", 0.9, (44, 20, 52, 28), embedding=colour(1))
+    frames = [looking(n, here, away_m=3.0) for n in range(12)]
+    frames += [looking(n, away_m=4.5) for n in range(12, 24)]
+    frames += [looking(n, moved, away_m=3.0) for n in range(24, 36)]
+    store = filled(frames)
+    (record,) = store.objects()
+    first, second = store.stays()
+    assert second.moved_from is not None
+    assert second.moved_from[0] == first.place
+    assert {sighting.place for sighting in store.sightings()} == {0, 1}
+    assert record.weight == pytest.approx(12 * 0.9)
+
+
+def test_no_move_is_linked_while_the_old_place_is_taken() -> None:
+    here = Detection("cup", 0.9, (14, 20, 22, 28), embedding=colour(1))
+    other = Detection("cup", 0.9, (44, 20, 52, 28), embedding=colour(1))
+    frames = [looking(n, here, away_m=3.0) for n in range(12)]
+    frames += [looking(n, here, other, away_m=3.0) for n in range(12, 24)]
+    assert len(filled(frames).objects()) == 2
+
+
+# The parts of the likelihood
+
+
+def test_a_position_that_could_be_anywhere_says_nothing_for() -> None:
+    squared = np.array([0.0, 0.0])
+    sharp, vague = likelihood.position_ratio(squared, np.array([1e-6, 1e9]), DEFAULT)
+    assert sharp > 3
+    assert vague == 0.0
+
+
+@given(st.floats(0, 1e4), st.floats(0, 1e4), st.floats(1e-9, 1e6))
+def test_the_evidence_of_place_falls_with_the_distance(a: float, b: float, volume: float) -> None:
+    near, far = sorted((a, b))
+    ratios = likelihood.position_ratio(np.array([near, far]), np.full(2, volume), DEFAULT)
+    assert ratios[0] >= ratios[1]
+
+
+def test_the_adjugate_is_the_inverse() -> None:
+    rng = np.random.default_rng(5)
+    half = rng.normal(size=(7, 3, 3))
+    matrices = half @ half.transpose(0, 2, 1) + 0.1 * np.eye(3)
+    residuals = rng.normal(size=(7, 3))
+    squared, determinant = likelihood.mahalanobis(residuals, matrices)
+    wanted = np.einsum("ni,nij,nj->n", residuals, np.linalg.inv(matrices), residuals)
+    assert np.allclose(squared, wanted)
+    assert np.allclose(determinant, np.linalg.det(matrices))
+
+
+def test_the_look_model_learns_what_alike_means() -> None:
+    model = LookModel(DEFAULT)
+    before = model.ratios(np.array([[0.65]]), np.array([20.0]))[0, 0]
+    rng = np.random.default_rng(2)
+    for _ in range(500):
+        model.add(SAME, float(rng.normal(0.95, 0.02)), 20.0)
+        model.add(OTHER, float(rng.normal(0.7, 0.05)), 20.0)
+    after = model.ratios(np.array([[0.65, 0.96]]), np.array([20.0, 20.0]))[0]
+    assert before > -1
+    assert after[0] == DEFAULT.look_least
+    assert after[1] > 1
+    untouched = model.ratios(np.array([[0.65]]), np.array([1.0]))[0, 0]
+    assert untouched == pytest.approx(before)
+
+
+def test_looks_that_tell_nothing_apart_weigh_nothing() -> None:
+    model = LookModel(DEFAULT)
+    for _ in range(1000):
+        model.add(SAME, 0.5, 1.0)
+        model.add(OTHER, 0.6, 1.0)
+    assert abs(model.ratios(np.array([[0.9]]), np.array([1.0]))[0, 0]) < 0.2
+
+
+def test_a_rare_category_is_better_evidence_than_a_common_one() -> None:
+    model = CategoryModel(DEFAULT)
+    for name in ["cup"] * 50 + ["kettle"] * 2:
+        model.add(name)
+    ratios = model.ratios(["cup", "kettle"], [{"cup": 3.0}, {"kettle": 3.0}])
+    assert ratios[1, 1] > ratios[0, 0] > 0
+    assert ratios[0, 1] < 0
+    assert ratios[1, 0] < 0
+
+
+@given(st.lists(st.lists(st.floats(-5, 5), min_size=3, max_size=3), min_size=1, max_size=4))
+def test_an_assignment_is_one_to_one_and_beats_new(rows: list[list[float]]) -> None:
+    scores = np.array(rows)
+    taken = likelihood.assign(scores, 0.5)
+    columns = [column for column in taken if column >= 0]
+    assert len(columns) == len(set(columns))
+    assert all(scores[i, column] > 0.5 for i, column in enumerate(taken) if column >= 0)
+
+
+def test_the_best_sum_wins_over_the_best_pair() -> None:
+    scores = np.array([[5.0, 4.9], [4.8, -9.0]])
+    assert likelihood.assign(scores, 0.0) == [1, 0]
+
+
+def test_a_histogram_feature_and_its_embedding_belong_together() -> None:
+    embedding = colour(4)
+    feature = likelihood.feature(embedding, True)
+    assert np.linalg.norm(feature) == pytest.approx(1.0, abs=1e-5)
+    assert np.allclose(likelihood.embedding_of(feature, True), embedding, atol=1e-5)
+    assert likelihood.feature(embedding, False) is embedding
