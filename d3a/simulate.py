@@ -16,12 +16,12 @@ import numpy as np
 
 from d3a.model import BadInput, Json
 from d3a.simulation import truth, writer
-from d3a.simulation.conditions import CONDITIONS, Condition, codes, named
+from d3a.simulation.conditions import CONDITIONS, NOMINAL, Condition, codes, named
 from d3a.simulation.patrol import Track, frames_in, idle_share, patrol, reported
 from d3a.simulation.sensor import Reports, expose, loose_solids, report
 from d3a.simulation.world import World, build
 
-__all__ = ["CONDITIONS", "Condition", "Simulated", "codes", "named", "simulate"]
+__all__ = ["CONDITIONS", "NOMINAL", "Condition", "Simulated", "codes", "named", "simulate"]
 
 
 @dataclass(frozen=True, slots=True)

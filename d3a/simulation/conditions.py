@@ -21,6 +21,7 @@ class Condition:
     even_patrol: rounds through all way points instead of favourite ones.
     codes: one-hot instance codes instead of histograms, bits flipped by fpr and fnr (Exp 1).
     perfect: categories and boxes as annotated, no false positive (D3A+P).
+    certain: it is sure of everything it says (probability 1).
     """
 
     name: str = "nominal"
@@ -38,6 +39,7 @@ class Condition:
     fpr: float = 0.0
     fnr: float = 0.0
     perfect: bool = False
+    certain: bool = False
 
 
 NOMINAL = Condition()
@@ -63,9 +65,15 @@ CONDITIONS: dict[str, Condition] = {
             false_positives=0.0,
             colour=0.0,
         ),
-        Condition("perfect", codes=True, perfect=True),
+        Condition("perfect", codes=True, perfect=True, certain=True),
         Condition(
-            "perfect-0.1", pose_m=0.1, heading_deg=0.5, claimed_pose_m=0.1, codes=True, perfect=True
+            "perfect-0.1",
+            pose_m=0.1,
+            heading_deg=0.5,
+            claimed_pose_m=0.1,
+            codes=True,
+            perfect=True,
+            certain=True,
         ),
     )
 }
@@ -83,6 +91,6 @@ def named(condition: str | Condition) -> Condition:
 def codes(fpr: float, fnr: float = 0.05) -> Condition:
     """Return Exp 1's synthetic embedding generator at one false positive rate.
 
-    Pose noise stays; categories and boxes are the annotated ones, as in the paper.
+    Pose noise and the detector's probabilities stay; categories are the annotated ones.
     """
-    return replace(CONDITIONS["perfect"], name=f"codes-{fpr:g}", fpr=fpr, fnr=fnr)
+    return replace(CONDITIONS["perfect"], name=f"codes-{fpr:g}", certain=False, fpr=fpr, fnr=fnr)

@@ -268,7 +268,7 @@ def _probabilities(
     """Return how sure the detector is: 0.7 to 1, median about .93 as in the paper's sample."""
     own = 0.6 * ease + 1.0 * rng.normal(size=len(ease))
     noise = rng.normal(size=len(found))
-    if condition.perfect:
+    if condition.certain:
         return np.ones(len(found))
     clear = 2.0 * (exposures.shown[found].mean(axis=1) - 0.8)
     sure = 1.0 + clear + 0.9 * noise - 1.0 * fooled
