@@ -23,7 +23,12 @@ class Typed(Lexer):
         return iter(data)
 
 
-def parser(name: str, terminals: tuple[str, ...], transformer: Transformer[Token, Any]) -> Lark:
+def parser(
+    name: str,
+    terminals: tuple[str, ...],
+    transformer: Transformer[Token, Any],
+    start: tuple[str, ...] = ("start",),
+) -> Lark:
     """Build the parser of the grammar file `name`, its terminals declared."""
     text = (_HERE / name).read_text(encoding="utf-8")
     declared = f"%declare {' '.join(terminals)}\n"
@@ -31,6 +36,7 @@ def parser(name: str, terminals: tuple[str, ...], transformer: Transformer[Token
         text + declared,
         parser="lalr",
         lexer=Typed,
+        start=list(start),
         transformer=transformer,
         maybe_placeholders=False,
     )

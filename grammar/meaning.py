@@ -84,11 +84,11 @@ class Things:
 class Meaning:
     """A question read by the grammar, its floating words and time not yet added.
 
-    present: asked in the present tense. select: what the saying itself implies.
-    predicated: something besides the objects is asked, so that `is the cup` alone is no question.
+    ask: None in a fragment, which asks what the question before it asked.
+    select: what the saying itself implies. newest: unbounded, it asks for the newest sighting.
     """
 
-    ask: Ask
+    ask: Ask | None
     things: Things = field(default_factory=Things)
     select: Select | None = None
     newest: bool = False
@@ -131,15 +131,16 @@ def query(
 
     Raises MeaningError where the objects cannot stand in their relation.
     """
+    ask = meaning.ask or "where"
     objects, relation, place = _arranged(meaning)
     chosen: Select = select or meaning.select or "all"
-    if chosen == "all" and meaning.newest and time is None and meaning.ask == "where":
+    if chosen == "all" and meaning.newest and time is None and ask == "where":
         chosen = "last"
-    form = _form(meaning.ask, relation, time, place, chosen)
+    form = form_of(ask, relation, time, place, chosen)
     return FormalQuery(
         text=text,
         form=form,
-        ask=meaning.ask,
+        ask=ask,
         objects=objects,
         relation=relation,
         place=place,
@@ -149,7 +150,7 @@ def query(
     )
 
 
-def _form(
+def form_of(
     ask: Ask, relation: Relation | None, time: TimeSlice | None, place: str | None, select: Select
 ) -> Form:
     """Return Q2 for a relation, Q3 for a place, a time or what they narrow, else Q1."""

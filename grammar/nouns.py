@@ -59,9 +59,7 @@ class NounReader:
         pending: int | None = None
         k = i
         while k < end:
-            if (
-                words[k].text in ORDINALS and k + 1 < end
-            ):  # the second cup: which one, none can tell
+            if self._only_counts(words, k, end):
                 k += 1
                 continue
             size = self._compound(words, k, end)
@@ -79,6 +77,11 @@ class NounReader:
         if pending is not None:
             found.append(self._noun(words, pending, end))
         return found
+
+    def _only_counts(self, words: list[Word], k: int, end: int) -> bool:
+        """Whether an ordinal stands at `k`: `the second cup`, which of them no memory can tell."""
+        counts = words[k].text in ORDINALS and k + 1 < end
+        return counts and not self._compound(words, k, end)
 
     def _run_end(self, words: list[Word], i: int) -> int:
         end = i

@@ -27,7 +27,10 @@ _NO_VERBS = frozenset(
 )
 
 
-_WANTED = frozenset("something anything place somewhere anywhere want need thing way spot".split())
+_NO_PURPOSE = frozenset(
+    "something anything place somewhere anywhere want need thing way spot belonging belongs "
+    "belonged next close adjacent attached opposite similar nearest closest".split()
+)
 
 
 @lru_cache(maxsize=1)
@@ -71,7 +74,7 @@ def without_purpose(words: list[Word]) -> list[Word]:
         ):
             return words[:i]
         infinitive = texts[i] == "to" and bool(rest) and rest[0] not in _NO_VERBS
-        if infinitive and i >= 3 and is_open(texts[i - 1]) and texts[i - 1] not in _WANTED:
+        if infinitive and i >= 3 and is_open(texts[i - 1]) and texts[i - 1] not in _NO_PURPOSE:
             return words[:i]
         if texts[i] == "in" and rest[:2] == ["order", "to"]:
             return words[:i]

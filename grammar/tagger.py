@@ -39,7 +39,7 @@ _INTENSIFIERS = frozenset(("right", "directly", "immediately", "straight"))
 _FLOATS: dict[str, Select] = {"last": "last", "first": "first", "usual": "usual"}
 _VERBAL = ("SEE", "LEAVE", "FINDS", "GO", "MOVED", "MISSING")
 _CUTTING = ("_MADE_OF", "_EXCEPT", "SIDE_BY_SIDE", "MISSING", "usual", "HERE")
-_BREAKING = ("HERE", "drop", "last", "usual", "SIDE_BY_SIDE", "negative")
+_BREAKING = ("HERE", "drop", "last", "first", "usual", "SIDE_BY_SIDE", "negative")
 
 
 @dataclass(frozen=True, slots=True)
@@ -347,7 +347,7 @@ class Tagger:
         if text != "not":
             return False
         k = self.i + 1
-        after_noun = self._last() in ("NOUN", "ONE", "COMMA", "ATTR", "AND")
+        after_noun = self._last() in ("NOUN", "ONE", "COMMA", "ATTR", "AND", "")
         if self._text(k) in DETERMINERS or self._text(k) in OWNERS:
             if after_noun and self._contrasted(k + 1):
                 self._emit("_EXCEPT", 0, 1)
@@ -374,7 +374,7 @@ class Tagger:
     def _contrasted(self, k: int) -> bool:
         """Whether `not the red one` stands here: an attribute, and `one` or nothing after it."""
         found = self.reader.read(self.words, k) if is_open(self._text(k)) else []
-        if not found or self.out.tags[-1].type == "AUX":
+        if not found:
             return False
         return all(isinstance(what, Attribute) for what, _, _ in found)
 
@@ -420,8 +420,8 @@ class Tagger:
 
     def _owner(self) -> bool:
         text = self._text(self.i)
-        if text in OWNERS:
-            self._emit("OWNER", OWNERS[text], 1)
+        if text in OWNERS or text in ("mine", "ours", "yours"):
+            self._emit("OWNER", OWNERS.get(text) or OWNED[text], 1)
             return True
         if text.endswith("'s") and len(text) > 2:
             stem = text.removesuffix("'s")
@@ -602,7 +602,8 @@ class Tagger:
     def _relation_at(self, k: int) -> bool:
         """Whether a phrase of relation stands at `k`: `right above`, `directly next to`."""
         return any(
-            terminal.startswith("REL ") and [self._text(k + j) for j in range(len(parts))] == [*parts]
+            terminal.startswith("REL ")
+            and [self._text(k + j) for j in range(len(parts))] == [*parts]
             for parts, terminal in phrases().by_first.get(self._text(k), ())
         )
 

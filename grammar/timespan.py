@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -10,8 +11,9 @@ from lark.exceptions import UnexpectedInput
 
 from grammar import lalr
 from grammar.closed import is_open
-from grammar.timeforms import SpokenTime, TimeForms
+from grammar.timeforms import Date, SpokenTime, TimeForms
 from grammar.timelexer import TimeToken, tokenise
+from grammar.timewords import MONTHS
 
 _TERMINALS = (
     "CMIN COUNT DATE DAYS DAY_AFTER DAY_BEFORE DECADE EDGE FIXED HHMM HOLIDAY HOUR MERIDIEM MINUTE "
@@ -118,3 +120,14 @@ def joined(times: list[Found]) -> SpokenTime:
         offset.offset if offset else None,
         offset.offset_sign if offset else 0,
     )
+
+
+def is_slashed(word: str) -> bool:
+    """Whether a word is a date in digits whose order tells nothing: 3/4/2018."""
+    return re.fullmatch(r"\d{1,2}[-/.]\d{1,2}([-/.]\d{2,4})?", word) is not None
+
+
+def date_in_words(date: Date) -> str:
+    """Return a date as it is said, month by its name: `March 4, 2018`."""
+    month = MONTHS[(date.month or 1) - 1].capitalize()
+    return f"{month} {date.day}" + (f", {date.year}" if date.year is not None else "")

@@ -98,6 +98,41 @@ class Meanings(Transformer[Token, Any]):
         """start: question."""
         return meaning
 
+    # -- fragments -------------------------------------------------------------------------------
+
+    def only_things(self, things: Things) -> Meaning:
+        """fragment: things."""
+        return Meaning(None, things)
+
+    def only_tail(self, items: tuple[Item, ...]) -> Meaning:
+        """fragment: tail."""
+        return Meaning(None, Things(None, items))
+
+    def only_changes(self, *words: Any) -> Meaning:
+        """fragment: DET? OWNER? pre+ | DET? OWNER | DET? OWNER? post."""
+        nothing = Noun(ANYTHING, "thing", known=False)
+        return Meaning(None, Things(Group((self._term(nothing, words),))))
+
+    def asking_where(self) -> Meaning:
+        """fragment: _WHERE."""
+        return Meaning("where")
+
+    def asking_when(self) -> Meaning:
+        """fragment: _WHEN."""
+        return Meaning("when")
+
+    def asking_count(self) -> Meaning:
+        """fragment: _HOWMANY."""
+        return Meaning("count")
+
+    def asking_how_long(self) -> Meaning:
+        """fragment: _HOWLONG."""
+        return Meaning("how_long")
+
+    def asking_how_often(self) -> Meaning:
+        """fragment: _HOWOFTEN."""
+        return Meaning("how_often")
+
     # -- where, when ---------------------------------------------------------------------------
 
     def where_act(self, *words: Any) -> Meaning:
@@ -318,7 +353,10 @@ class Meanings(Transformer[Token, Any]):
 
     def thing(self, *words: Any) -> ObjectTerm:
         """thing: DET? OWNER? pre* head post*."""
-        noun = next(w for w in words if isinstance(w, Noun))
+        return self._term(next(w for w in words if isinstance(w, Noun)), words)
+
+    def _term(self, noun: Noun, words: tuple[Any, ...]) -> ObjectTerm:
+        """Return the object of a noun with all that the words around it say."""
         changes = [w for w in words if isinstance(w, Change)]
         owner = next(
             (str(w.value) for w in words if isinstance(w, Token) and w.type == "OWNER"), None

@@ -1,0 +1,198 @@
+"""Follow-ups: a fragment such as "and the bowl?" merged with the query before it.
+
+Pure functions over formal queries: no screen, no store, no clock.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from datetime import datetime, timedelta
+
+from grammar import NotUnderstood, StoreWords
+from grammar.forms import (
+    ANYTHING,
+    FormalQuery,
+    ObjectTerm,
+    Relation,
+    Select,
+    TimeSlice,
+)
+from grammar.fragments import Fragment, Relative, parse_fragment
+from grammar.meaning import AtPlace, Related, SideBySide, form_of
+from grammar.parser import parse
+from grammar.vocabulary import lexicon
+
+
+def follow(
+    text: str,
+    *,
+    now: datetime,
+    words: StoreWords,
+    last: FormalQuery | None,
+    seen_at: datetime | None = None,
+) -> FormalQuery:
+    """Return the query that `text` means after `last`.
+
+    last: the query before, None at the start of a dialogue. seen_at: the time of the answer to it,
+    which `before that` starts from where the query itself had no time.
+    Raises QuestionError.
+    """
+    if last is None:
+        return parse(text, now=now, words=words)
+    found = parse_fragment(text, now=now, words=words, previous=last)
+    return found if isinstance(found, FormalQuery) else merge(last, found, seen_at)
+
+
+def merge(last: FormalQuery, fragment: Fragment, seen_at: datetime | None = None) -> FormalQuery:
+    """Return `last` with what the fragment changes, in the fragment's words.
+
+    New objects take the place of the figures, or of the ground where the figure was any thing; `the
+    red one` keeps the noun. Raises NotUnderstood when `before that` has no time to start from.
+    """
+    if fragment.query is not None:
+        merged = fragment.query
+    else:
+        merged = _with_items(_with_terms(last, fragment), fragment)
+    time = _time(last, fragment, seen_at)
+    select = _select(last, fragment, time)
+    ask = fragment.ask or merged.ask
+    return replace(
+        merged,
+        text=fragment.text,
+        ask=ask,
+        time=time,
+        select=select,
+        negated=merged.negated if fragment.negated is None else fragment.negated,
+        form=form_of(ask, merged.relation, time, merged.place, select),
+    )
+
+
+def _time(last: FormalQuery, fragment: Fragment, seen_at: datetime | None) -> TimeSlice | None:
+    """Return the slice that is asked for now."""
+    if fragment.shift is not None:
+        return _shifted(last.time, fragment.shift, fragment.text, seen_at)
+    if fragment.relative is not None:
+        return _beside(last.time, fragment.relative, fragment.text, seen_at)
+    if fragment.time is not None:
+        return fragment.time
+    return last.time if fragment.query is None else fragment.query.time
+
+
+def _select(last: FormalQuery, fragment: Fragment, time: TimeSlice | None) -> Select:
+    """Return which sightings are asked for: before that is the last of them, after it the first."""
+    if fragment.select is not None:
+        return fragment.select
+    if fragment.relative == "before":
+        return "last"
+    if fragment.relative == "after":
+        return "first"
+    if fragment.query is not None:
+        return fragment.query.select
+    newest = last.select == "last" and last.ask == "where" and last.time is None
+    return "all" if newest and time is not None else last.select
+
+
+def _shifted(
+    slice_: TimeSlice | None, shift: timedelta, text: str, seen_at: datetime | None
+) -> TimeSlice:
+    """Return the slice moved by whole days or elapsed time; local times keep their clock."""
+    if slice_ is None:
+        if seen_at is None:
+            raise _nothing_before(text)
+        midnight = seen_at.replace(hour=0, minute=0, second=0, microsecond=0)
+        whole = shift % timedelta(days=1) == timedelta(0)
+        slice_ = (
+            TimeSlice(midnight, midnight + timedelta(days=1))
+            if whole
+            else TimeSlice(seen_at, seen_at)
+        )
+    start = slice_.start + shift if slice_.start is not None else None
+    end = slice_.end + shift if slice_.end is not None else None
+    return TimeSlice(start, end)
+
+
+def _beside(
+    slice_: TimeSlice | None, relative: Relative, text: str, seen_at: datetime | None
+) -> TimeSlice:
+    """Return the time before or after the slice, or before or after the answer without one."""
+    start = slice_.start if slice_ is not None else None
+    end = slice_.end if slice_ is not None else None
+    before = start or seen_at or end
+    after = end or seen_at or start
+    if relative == "before":
+        if before is None:
+            raise _nothing_before(text)
+        return TimeSlice(None, before)
+    if after is None:
+        raise _nothing_before(text)
+    return TimeSlice(after if relative == "after" else before, None)
+
+
+def _nothing_before(text: str) -> NotUnderstood:
+    return NotUnderstood(text, 0, "No time was spoken of that this could start from.")
+
+
+def _with_terms(last: FormalQuery, fragment: Fragment) -> FormalQuery:
+    """Return the query with its objects replaced or described anew."""
+    if not fragment.terms:
+        return last
+    count = _figures(last)
+    figures, grounds = last.objects[:count], last.objects[count:]
+    if len(fragment.terms) == 1 and _refers_back(fragment.terms[0]):
+        target = figures or (ObjectTerm(ANYTHING, "thing"),)
+        changed = tuple(_described(term, fragment.terms[0]) for term in target)
+        return replace(last, objects=(*changed, *grounds))
+    if grounds and all(_is_anything(term) for term in figures):
+        return replace(last, objects=(*figures, *fragment.terms))
+    return replace(last, objects=(*fragment.terms, *grounds))
+
+
+def _figures(query: FormalQuery) -> int:
+    """Return how many of the objects are figures; the rest are what they are related to."""
+    if query.relation is None or query.relation.kind in ("together", "same_place"):
+        return len(query.objects)
+    grounds = 2 if query.relation.kind == "between" and len(query.objects) > 2 else 1
+    return max(len(query.objects) - grounds, 0)
+
+
+def _refers_back(term: ObjectTerm) -> bool:
+    """Whether a term has no noun of its own: the red one, anna's."""
+    described = term.attributes or term.without or term.owner or term.quantity
+    return term.category == ANYTHING and term.word == "thing" and bool(described)
+
+
+def _is_anything(term: ObjectTerm) -> bool:
+    return term.category == ANYTHING and not term.attributes and term.owner is None
+
+
+def _described(term: ObjectTerm, change: ObjectTerm) -> ObjectTerm:
+    """Return the object with new attributes in the place of those of their kind."""
+    kinds = lexicon().attributes
+    new = {kinds.get(word, word) for word in (*change.attributes, *change.without)}
+    kept = tuple(word for word in term.attributes if kinds.get(word, word) not in new)
+    lacking = tuple(word for word in term.without if word not in change.attributes)
+    return replace(
+        term,
+        attributes=(*kept, *change.attributes),
+        without=(*lacking, *change.without),
+        owner=change.owner or term.owner,
+        quantity=change.quantity or term.quantity,
+    )
+
+
+def _with_items(query: FormalQuery, fragment: Fragment) -> FormalQuery:
+    """Return the query with a new place, or a new relation in the place of the old one."""
+    for item in fragment.items:
+        count = _figures(query)
+        match item:
+            case AtPlace():
+                query = replace(query, place=item.name)
+            case SideBySide():
+                query = replace(query, relation=Relation(item.kind))
+            case Related():
+                objects = (*query.objects[:count], *item.group.terms)
+                relation = Relation(item.kind, item.negated)
+                query = replace(query, objects=objects, relation=relation, place=None)
+            case _:
+                query = replace(query, place=None)
+    return query

@@ -1,0 +1,170 @@
+"""Follow-ups: what a person says after an answer, `and the bowl?`, `what about yesterday?`.
+
+A fragment names only what changes; `assistant.dialogue` merges it with the query before it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from datetime import datetime, timedelta
+from typing import Literal
+
+from grammar.errors import QuestionError
+from grammar.forms import ANYTHING, Ask, FormalQuery, ObjectTerm, Select, TimeSlice
+from grammar.meaning import Item, Meaning
+from grammar.parser import NO_STORE, opened
+from grammar.reading import Reading, Terminals
+from grammar.vocabulary import StoreWords
+from grammar.words import Word
+
+Relative = Literal["before", "after", "since"]
+_LEADS = (
+    "and what about", "and how about", "what about", "how about", "or what about", "and also",
+    "and then", "and", "or", "but", "also", "then", "ok and", "no",
+)  # fmt: skip
+_RELATIVES: dict[str, Relative] = {
+    "before that": "before", "before then": "before", "earlier than that": "before",
+    "prior to that": "before", "previously": "before", "earlier": "before", "before": "before",
+    "the time before": "before", "the time before that": "before", "before this": "before",
+    "after that": "after", "after then": "after", "afterwards": "after", "later": "after",
+    "later on": "after", "later than that": "after", "after": "after", "after this": "after",
+    "since then": "since", "since that": "since", "ever since": "since",
+}  # fmt: skip
+_SHIFTS: dict[str, timedelta] = {
+    "the day before that": timedelta(days=-1), "the day before": timedelta(days=-1),
+    "the previous day": timedelta(days=-1), "a day earlier": timedelta(days=-1),
+    "one day earlier": timedelta(days=-1), "the night before": timedelta(days=-1),
+    "the week before that": timedelta(weeks=-1), "the week before": timedelta(weeks=-1),
+    "a week earlier": timedelta(weeks=-1), "an hour earlier": timedelta(hours=-1),
+    "an hour before that": timedelta(hours=-1), "an hour before": timedelta(hours=-1),
+    "one hour earlier": timedelta(hours=-1), "the day after that": timedelta(days=1),
+    "the day after": timedelta(days=1), "the following day": timedelta(days=1),
+    "a day later": timedelta(days=1), "an hour later": timedelta(hours=1),
+    "an hour after that": timedelta(hours=1), "the week after": timedelta(weeks=1),
+    "a week later": timedelta(weeks=1), "half an hour earlier": timedelta(minutes=-30),
+    "half an hour later": timedelta(minutes=30),
+}  # fmt: skip
+_SAME_TIME = ("at that time", "that day", "back then", "at the time", "on that day", "then")
+
+
+@dataclass(frozen=True, slots=True)
+class Fragment:
+    """What a follow-up changes; what is None or empty stays as it was.
+
+    terms: new objects, `ANYTHING` with attributes for "the red one". items: new relations and places.
+    relative: before, after or since the time of the last answer. shift: the last slice, moved.
+    query: a whole question whose own words already say all but the relative time.
+    """
+
+    text: str
+    terms: tuple[ObjectTerm, ...] = ()
+    items: tuple[Item, ...] = ()
+    time: TimeSlice | None = None
+    relative: Relative | None = None
+    shift: timedelta | None = None
+    ask: Ask | None = None
+    select: Select | None = None
+    negated: bool | None = None
+    query: FormalQuery | None = None
+
+
+def parse_fragment(
+    text: str, *, now: datetime, words: StoreWords = NO_STORE, previous: FormalQuery
+) -> Fragment | FormalQuery:
+    """Return the follow-up of `previous`: a fragment, or a query where it is a whole question.
+
+    Pronouns of a whole question mean the first object of `previous`. Raises QuestionError as
+    `parse` does.
+    """
+    reading, sentences, _ = opened(text, now, words)
+    it = _spoken_of(previous)
+    if len(sentences) != 1:
+        return reading.of(sentences, it)
+    said, relative, shift, same_time = _relative(sentences[0])
+    timed = relative is not None or shift is not None
+    if timed and not said:
+        return Fragment(text, relative=relative, shift=shift)
+    fragment = _fragment(reading, _led(said), it)
+    if fragment is not None:
+        return replace(fragment, relative=relative, shift=shift)
+    whole = reading.of([said], it)
+    if timed:
+        return Fragment(text, relative=relative, shift=shift, query=whole)
+    pronoun = whole.select == "all" and any(w.text in ("it", "they", "them") for w in said)
+    past = not any(w.text in ("is", "are", "now") for w in said)
+    if whole.time is None and (same_time or (pronoun and past)):
+        return replace(
+            whole,
+            time=previous.time,
+            form="Q3" if whole.form == "Q1" and previous.time else whole.form,
+        )
+    return whole
+
+
+def _spoken_of(previous: FormalQuery) -> ObjectTerm | None:
+    """Return what `it` means after a query: its first object that is not just any thing."""
+    named = [t for t in previous.objects if t.category != ANYTHING or t.attributes]
+    return next(iter(named or previous.objects), None)
+
+
+def _led(words: list[Word]) -> list[Word]:
+    """Take `and`, `what about` off the start."""
+    texts = [w.text for w in words]
+    for lead in _LEADS:
+        parts = lead.split()
+        if texts[: len(parts)] == parts and len(texts) > len(parts):
+            return words[len(parts) :]
+    return words
+
+
+def _relative(
+    words: list[Word],
+) -> tuple[list[Word], Relative | None, timedelta | None, bool]:
+    """Take `before that` and its like off the end or the start."""
+    texts = [w.text for w in _led(words)]
+    spoken = " ".join(texts)
+    if spoken in _SHIFTS:
+        return [], None, _SHIFTS[spoken], False
+    if spoken in _RELATIVES:
+        return [], _RELATIVES[spoken], None, False
+    texts = [w.text for w in words]
+    for phrase in sorted((*_SHIFTS, *_RELATIVES, *_SAME_TIME), key=len, reverse=True):
+        parts = phrase.split()
+        if len(texts) > len(parts) and texts[-len(parts) :] == parts:
+            rest = words[: -len(parts)]
+            return rest, _RELATIVES.get(phrase), _SHIFTS.get(phrase), phrase in _SAME_TIME
+    return words, None, None, False
+
+
+def _fragment(reading: Reading, words: list[Word], it: ObjectTerm | None) -> Fragment | None:
+    """Return the fragment that the words are, None when no rule of fragments reads them."""
+    try:
+        found = reading.terminals(words, it)
+        tags = found.tagged.tags
+        if not tags:
+            return _without_words(reading, found)
+        parsed = reading.parsed(found, "fragment")
+    except QuestionError:
+        return None
+    return _built(reading, found, parsed)
+
+
+def _without_words(reading: Reading, found: Terminals) -> Fragment | None:
+    """Return a fragment of a time, or of `the first time`, alone."""
+    select = found.tagged.select
+    if found.time is None and select is None:
+        return None
+    return Fragment(reading.text, time=found.time, select=select)
+
+
+def _built(reading: Reading, found: Terminals, meaning: Meaning) -> Fragment:
+    group = meaning.things.group
+    return Fragment(
+        reading.text,
+        terms=group.terms if group is not None else (),
+        items=meaning.things.items,
+        time=found.time,
+        ask=meaning.ask,
+        select=found.tagged.select,
+        negated=True if found.tagged.negated else None,
+    )

@@ -1,0 +1,215 @@
+"""The reading of one text: words -> times -> terminals -> grammar -> formal query."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from datetime import datetime, timedelta
+from functools import lru_cache
+from typing import Any
+
+from lark import Lark, Token
+from lark.exceptions import UnexpectedInput
+
+from grammar import clock, lalr, scope, speech, tagger, timespan
+from grammar.days import TimeAmbiguity
+from grammar.errors import Ambiguous, NotUnderstood, OutOfScope, QuestionError
+from grammar.forms import FormalQuery, ObjectTerm, TimeSlice
+from grammar.meaning import Meaning, MeaningError, query, readings
+from grammar.transform import Meanings
+from grammar.vocabulary import Lexicon
+from grammar.words import MAX_CHARACTERS, MAX_WORDS, Word, split
+
+_TERMINALS = (
+    "AND ATTR AT_PLACE AUX BE DET HAVE HERE GO MISSING MOVED NOT_ATTR NOUN NUMBER ONE OR OR_ITEM OWNED "
+    "OWNER PART PREDICATE REL SIDE_BY_SIDE STATE THAT_NOT THAT_NOT_REL THERE UNKNOWN WHO SEE LEAVE "
+    "FINDS _EXCEPT _FIND _HOWLONG _HOWMANY _HOWOFTEN _MADE_OF _NOT_MADE_OF _SEEK _SHOW _THAT_IS "
+    "_THAT_IS_NOT _WHAT _WHEN _WHERE _WHETHER _WHICH _WITHOUT_PART _WITH_PART"
+).split()
+
+
+@lru_cache(maxsize=1)
+def _parser() -> Lark:
+    return lalr.parser("question.lark", tuple(_TERMINALS), Meanings(), ("start", "fragment"))
+
+
+def month_first(now: datetime) -> bool | None:
+    """Return whether the country of `now`'s zone writes the month first, None where unknown.
+
+    A named zone of the Americas and an offset that only the Americas have write 3/4 for March 4.
+    """
+    key = str(getattr(now.tzinfo, "key", ""))
+    if key.startswith(("America/", "US/")):
+        return True
+    if "/" in key and not key.startswith("Etc/"):
+        return False
+    offset = now.utcoffset()
+    return True if offset is not None and offset <= timedelta(hours=-4) else None
+
+
+def capped(text: str) -> list[Word]:
+    """Return the words of a text; raises NotUnderstood for one that is too long to be a question."""
+    if len(text) > MAX_CHARACTERS:
+        raise NotUnderstood(
+            text, MAX_CHARACTERS, f"The question is longer than {MAX_CHARACTERS} characters."
+        )
+    found = split(text)
+    if len(found) > MAX_WORDS:
+        position = found[MAX_WORDS].start
+        raise NotUnderstood(text, position, f"The question has more than {MAX_WORDS} words.")
+    return found
+
+
+@dataclass(frozen=True, slots=True)
+class Terminals:
+    """A sentence ready for the grammar: its words without times, their terminals, its slice."""
+
+    words: list[Word]
+    tagged: tagger.Tagged
+    time: TimeSlice | None
+
+
+@dataclass(frozen=True)
+class Reading:
+    """The reading of one text: what all its sentences share."""
+
+    text: str
+    now: datetime
+    lexicon: Lexicon
+
+    def of(self, sentences: list[list[Word]], it: ObjectTerm | None = None) -> FormalQuery:
+        """Read the sentences; the last one that asks counts, earlier ones say what `it` is."""
+        answer: FormalQuery | None = None
+        failure: QuestionError = NotUnderstood(self.text, 0, "There is no question in it.")
+        failed_question = False
+        for words in sentences:
+            asks = scope.asks(words)
+            try:
+                answer = self.sentence(words, it)
+                it = answer.objects[0] if answer.objects else it
+            except QuestionError as error:
+                if asks or not failed_question:
+                    failure = error
+                failed_question = failed_question or asks
+                answer = None if asks else answer
+        if answer is None:
+            raise failure
+        return answer
+
+    def sentence(self, words: list[Word], it: ObjectTerm | None) -> FormalQuery:
+        """Read one sentence; `it` is what its pronouns mean."""
+        found = self.terminals(words, it)
+        meaning = self.parsed(found, "start")
+        scope.refuse_noise(
+            self.text, found.tagged, found.words, self.lexicon, timed=found.time is not None
+        )
+        return self.finished(meaning, found)
+
+    def terminals(self, words: list[Word], it: ObjectTerm | None) -> Terminals:
+        """Take the times out and type the words; raises what the words alone give away."""
+        times = timespan.find([w.text for w in words])
+        rest, slice_ = self._timed(words, times)
+        rest = scope.without_purpose(rest)
+        scope.refuse_early(self.text, words, rest, self.lexicon, it)
+        return Terminals(rest, tagger.tag(rest, self.lexicon, it), slice_)
+
+    def parsed(self, found: Terminals, start: str) -> Any:
+        """Parse the terminals from the rule `start`."""
+        tags = found.tagged.tags
+        tokens = [
+            Token(t.type, t.value, start_pos=i)  # type: ignore[arg-type]  # lark takes any value
+            for i, t in enumerate(tags)
+        ]
+        try:
+            return _parser().parse(tokens, start=start)  # type: ignore[arg-type]
+        except MeaningError as error:
+            raise self._refused(error, found.words) from error
+        except UnexpectedInput as error:
+            token = getattr(error, "token", None)
+            index = getattr(token, "start_pos", None)
+            at_end = token is None or token.type == "$END" or index is None
+            word = None if at_end else tags[index].word
+            raise scope.unread(self.text, found.words, word, found.tagged, self.lexicon) from error
+
+    def finished(self, meaning: Meaning, found: Terminals) -> FormalQuery:
+        """Return the query of a meaning; raises Ambiguous, and OutOfScope for what is no thing."""
+        tagged = found.tagged
+        try:
+            self._refuse_choice(meaning, found)
+            done = query(meaning, self.text, found.time, tagged.select, tagged.negated)
+        except MeaningError as error:
+            raise self._refused(error, found.words) from error
+        scope.refuse_late(self.text, done, found.words, self.lexicon)
+        return done
+
+    def _timed(
+        self, words: list[Word], times: list[timespan.Found]
+    ) -> tuple[list[Word], TimeSlice | None]:
+        """Return the words without their times, and the slice that the times name together."""
+        if not times:
+            return words, None
+        rest: list[Word] = []
+        last = 0
+        for time in times:
+            rest += words[last : time.first]
+            rest.append(replace(words[time.first], text=tagger.TIME_GAP))
+            last = time.last
+        rest += words[last:]
+        first = words[times[0].first]
+        try:
+            return rest, clock.resolve(timespan.joined(times), self.now, month_first(self.now))
+        except TimeAmbiguity as error:
+            raise self._ambiguous_date(words, error) from error
+        except clock.TimeError as error:
+            said = self.text[first.start : words[times[-1].last - 1].end]
+            raise NotUnderstood(
+                self.text,
+                first.start,
+                f"“{said}” is no time I can place: {error}.",
+                scope.suggestions(self.text, rest, self.lexicon),
+            ) from error
+
+    def _ambiguous_date(self, words: list[Word], error: TimeAmbiguity) -> QuestionError:
+        """Return both readings of a date in digits, each spelled with its month's name."""
+        date = next(w for w in words if timespan.is_slashed(w.text))
+        spelled: list[str] = []
+        for reading in error.readings:
+            said = timespan.date_in_words(reading)
+            spelled.append(f"{self.text[: date.start]}{said}{self.text[date.end :]}")
+        try:
+            queries = tuple(
+                replace(self, text=text).of(
+                    [speech.plain(s, self.lexicon) for s in speech.sentences(split(text))]
+                )
+                for text in spelled
+            )
+        except QuestionError as other:
+            return other  # the question fails however its date is read
+        return Ambiguous(
+            self.text, date.start, f"{str(error).capitalize()}.", tuple(spelled), queries
+        )
+
+    def _refused(self, error: MeaningError, rest: list[Word]) -> QuestionError:
+        words = [w for w in rest if w.text != tagger.TIME_GAP]
+        hints = scope.suggestions(self.text, rest, self.lexicon)
+        position = words[-1].start if words else 0
+        if error.state:
+            reason = f"A memory of sightings cannot answer that: {error}."
+            return OutOfScope(self.text, position, reason, hints)
+        return NotUnderstood(self.text, position, f"I could not follow: {error}.", hints)
+
+    def _refuse_choice(self, meaning: Meaning, found: Terminals) -> None:
+        """Raise Ambiguous where `or` leaves open which thing or place is meant."""
+        choices = readings(meaning)
+        if len(choices) == 1:
+            return
+        tagged = found.tagged
+        queries = tuple(
+            query(c, self.text, found.time, tagged.select, tagged.negated) for c in choices
+        )
+        raise Ambiguous(
+            self.text,
+            next((t.word.start for t in tagged.tags if t.type in ("OR", "OR_ITEM")), 0),
+            "It asks one thing or another; ask for one at a time.",
+            tuple(scope.spelled(done) for done in queries[:3]),
+            queries,
+        )
