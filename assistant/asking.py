@@ -12,6 +12,7 @@ from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 from assistant.lexicon import VocabularyLexicon
 from assistant.reply import sentence
 from d3a.answer import Answer, Status
+from d3a.conclude import within
 from d3a.execute import execute
 from d3a.model import Json
 from d3a.parameters import DEFAULT, PROFILES, Parameters
@@ -22,6 +23,8 @@ from grammar.errors import QuestionError
 from grammar.forms import FormalQuery
 from grammar.notation import looks_formal, read
 
+TOLD_FROM = 50
+"""The sentence is told from so many keyframes, however few of them are shown."""
 PRECISIONS: tuple[Precision, ...] = ("perfect", "category", "any")
 
 
@@ -177,10 +180,11 @@ def ask_query(
         parameters = store_parameters(store)
         steps = plan(query, parameters=parameters, precision=_precision(precision))
         lexicon = VocabularyLexicon()
-        answer = execute(steps, store, lexicon, now=now, limit=limit, parameters=parameters)
+        enough = max(limit, TOLD_FROM)
+        answer = execute(steps, store, lexicon, now=now, limit=enough, parameters=parameters)
     except StoreError as error:
         return replace(failure(query.text, error), query=query)
-    answer = replace(answer, answer=sentence(answer, now=now))
+    answer = within(replace(answer, answer=sentence(answer, now=now)), limit)
     return replace(answer, elapsed_ms=answer.elapsed_ms | {"total": _ms_since(started)})
 
 

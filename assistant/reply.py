@@ -88,7 +88,7 @@ def _whether(answer: Answer, query: FormalQuery, now: datetime) -> str:
         told = f"{opening} I saw {thing}{condition} {said}{where}."
     else:
         number = places_of(heads)
-        spread = "one place" if number == 1 else f"{number} places"
+        spread = counted(number, "place")
         more = f"{times(len(heads))}{' or more' if answer.truncated else ''}"
         told = f"{opening} I saw {thing}{condition} {more} in {spread}, last {said}{where}."
     return f"{told} {gone_words(newest, now)}".strip()

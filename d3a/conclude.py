@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from datetime import datetime
 
 from d3a.answer import Answer, RankedKeyframe
@@ -15,7 +16,7 @@ from d3a.run import Run, milliseconds
 
 def conclude(run: Run, limit: int) -> Answer:
     """Return the answer of a finished run, cut to `limit` keyframes, without its sentence."""
-    keyframes, truncated = _keyframes(run, max(limit, 0))
+    keyframes, truncated = _keyframes(run, limit)
     objects = {one.moment.figure.sighting.object_id for one in run.ranked}
     return Answer(
         text=run.query.text,
@@ -35,18 +36,38 @@ def conclude(run: Run, limit: int) -> Answer:
 
 
 def _keyframes(run: Run, limit: int) -> tuple[list[RankedKeyframe], bool]:
-    """Return whole moments up to the limit; only one alone may be cut."""
+    """Return the keyframes of the moments, cut as `within` does."""
     out: list[RankedKeyframe] = []
     for group, one in enumerate(run.ranked, 1):
         entries = one.moment.entries
-        if out and len(out) + len(entries) > limit:
-            return out, True
+        if len(out) >= max(limit, 1):
+            break
         number = group if len(entries) > 1 else None
         for entry, why in zip(entries, one.why, strict=True):
             out.append(keyframe(run, one.moment, entry, len(out) + 1, one.score, why, group=number))
-        if len(out) > limit:
-            return out[:limit], True
-    return out, False
+    kept = _whole_moments(out, limit)
+    return kept, len(kept) < sum(len(one.moment.entries) for one in run.ranked)
+
+
+def within(answer: Answer, limit: int) -> Answer:
+    """Return the answer with at most `limit` keyframes, and whether any were left out."""
+    kept = _whole_moments(answer.keyframes, limit)
+    if len(kept) == len(answer.keyframes):
+        return answer
+    return replace(answer, keyframes=tuple(kept), truncated=True)
+
+
+def _whole_moments(keyframes: Sequence[RankedKeyframe], limit: int) -> list[RankedKeyframe]:
+    """Return the first keyframes, the objects of one moment together or not at all.
+
+    Only the first moment may be cut, where it alone has more objects than the limit.
+    """
+    kept = list(keyframes[: max(limit, 0)])
+    if len(kept) < len(keyframes) and kept and kept[-1].group is not None:
+        group = kept[-1].group
+        if keyframes[len(kept)].group == group and kept[0].group != group:
+            return [k for k in kept if k.group != group]
+    return kept
 
 
 def keyframe(

@@ -1,0 +1,196 @@
+"""From text to answer: statuses, now and zone, failing stores, explanations."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from collections.abc import Callable
+from datetime import UTC, datetime, timedelta
+from zoneinfo import ZoneInfo
+
+import pytest
+
+from assistant.asking import (
+    ask,
+    ask_query,
+    explain,
+    home_zone,
+    store_now,
+    store_parameters,
+    store_words,
+)
+from d3a.parameters import DEFAULT, PAPER
+from d3a.store.base import Batch, Store, StoreUnreachable
+from grammar.errors import NotUnderstood
+from grammar.forms import FormalQuery, ObjectTerm
+from tests.worlds.made import NOW, ZONE, Home, at
+from tests.worlds.oracle import OracleStore
+
+
+def furnished(store: Store) -> Store:
+    home = Home(classes=("cup", "bowl"))
+    home.thing("cup", "cup", paint="red", names=(("Pumpkin", "anna"),))
+    home.seen("cup", 0, 10, at=(1, 1, 1))
+    home.room("den", 0, 0, 3, 3)
+    return home.into(store)
+
+
+class Unplugged(OracleStore):
+    """A store whose server went away."""
+
+    def categories(self) -> list[tuple[str, int]]:
+        raise StoreUnreachable("mongodb://***@robot cannot be reached; is it on?")
+
+
+@pytest.fixture
+def store() -> Store:
+    return furnished(OracleStore())
+
+
+def test_a_question_becomes_an_answer_with_its_query(store: Store) -> None:
+    answer = ask(store, "Where is the red cup?", now=NOW, id="q7")
+    assert (answer.status, answer.id, answer.text) == ("found", "q7", "Where is the red cup?")
+    assert answer.query is not None
+    assert answer.query.select == "last"
+    assert {"parse", "retrieve", "rank", "total"} <= set(answer.elapsed_ms)
+    assert json.loads(json.dumps(answer.to_json()))["keyframes"][0]["place"] == "den"
+
+
+def test_every_backend_gives_the_same_answer(make_store: Callable[[], Store]) -> None:
+    question = "Where is the red cup?"
+    expected = ask(furnished(OracleStore()), question, now=NOW)
+    other = make_store()
+    try:
+        answer = ask(furnished(other), question, now=NOW)
+        assert answer.answer == expected.answer
+        assert answer.keyframes == expected.keyframes
+    finally:
+        other.close()
+
+
+@pytest.mark.parametrize(
+    ("question", "status"),
+    [
+        ("Why did I leave my cup?", "out_of_scope"),
+        ("florp the zzz of", "not_understood"),
+        ("", "not_understood"),
+        ("Did you see the cup or the bowl?", "ambiguous"),
+    ],
+)
+def test_what_cannot_be_answered_says_where_and_what_would_do(
+    store: Store, question: str, status: str
+) -> None:
+    answer = ask(store, question, now=NOW)
+    assert answer.status == status
+    assert answer.message
+    assert answer.position is not None
+    assert answer.keyframes == ()
+    assert answer.query is None
+    assert answer.answer
+
+
+def test_a_store_that_fails_is_an_answer() -> None:
+    answer = ask(Unplugged(), "Where is my cup?", now=NOW)
+    assert answer.status == "error"
+    assert "robot cannot be reached" in (answer.message or "")
+    query = FormalQuery("?", "Q1", "whether", (ObjectTerm("cup"),))
+    assert ask_query(Unplugged(), query, now=NOW).status == "error"
+
+
+def test_formal_notation_is_read_as_such(store: Store) -> None:
+    answer = ask(store, "red(x), cup(y) | OIc.find(x, y)", now=NOW)
+    assert answer.status == "found"
+    assert [k.object_id for k in answer.keyframes] == ["cup"]
+
+
+def test_unknown_precision_is_the_caller_s_mistake(store: Store) -> None:
+    with pytest.raises(ValueError, match="perfect, category, any"):
+        ask(store, "Where is my cup?", now=NOW, precision="fuzzy")
+
+
+def test_the_grammar_gets_the_store_s_words(store: Store) -> None:
+    words = store_words(store)
+    assert words.categories == ("cup", "bowl")
+    assert words.names == (("Pumpkin", "anna"),)
+    assert words.places == ("den",)
+
+
+def test_now_is_given_or_fixed_or_the_newest_frame_or_the_clock(store: Store) -> None:
+    def clock() -> datetime:
+        return datetime(2030, 1, 1, tzinfo=UTC)
+
+    given = datetime(2024, 5, 14, 20, 0, tzinfo=UTC)
+    assert store_now(store, given, clock) == given
+    assert store_now(store, given, clock).tzinfo == ZONE
+    assert store_now(store, "last", clock) == at(10)
+    assert store_now(store, None, clock) == clock()
+    store.apply(Batch(meta={"now": "2024-05-15T08:00:00-04:00"}))
+    assert store_now(store, None, clock) == datetime(2024, 5, 15, 12, tzinfo=UTC)
+    assert store_now(store, "last", clock) == at(10)
+
+
+def test_a_now_without_an_offset_is_the_home_s_wall_clock(store: Store) -> None:
+    naive = datetime(2024, 5, 14, 20, 0)  # noqa: DTZ001  this is the case
+    assert store_now(store, naive, lambda: NOW) == datetime(2024, 5, 15, 0, 0, tzinfo=UTC)
+
+
+def test_zone_of_the_home(store: Store) -> None:
+    assert home_zone(store) == ZoneInfo("America/New_York")
+    assert home_zone(OracleStore()) is None
+    store.apply(Batch(meta={"zone": "Moon/Crater"}))
+    assert home_zone(store) is None
+
+
+def test_a_store_is_asked_with_the_thresholds_that_filled_it(store: Store) -> None:
+    assert store_parameters(store) == DEFAULT
+    filled = PAPER.with_changes(together_m=2.5).to_json() | {"from_a_later_version": 1}
+    store.apply(Batch(meta={"parameters": filled}))
+    assert store_parameters(store) == PAPER.with_changes(together_m=2.5)
+
+
+def test_explain_tells_plan_and_native_queries(make_store: Callable[[], Store]) -> None:
+    store = make_store()
+    try:
+        furnished(store)
+        told = explain(store, "Where is the red cup?", now=NOW)
+    finally:
+        store.close()
+    assert told.plan.steps
+    record = json.loads(json.dumps(told.to_json()))
+    assert [step["step"] for step in record["plan"]][:3] == [
+        "FindObjects",
+        "JudgeAttributes",
+        "FindSightings",
+    ]
+    if record["native"]:  # the oracle has none to tell
+        assert all(native["query"] for native in record["native"])
+        assert any(native["index"] for native in record["native"])
+    text = told.to_text()
+    assert "JudgeAttributes(var='x', attributes=['red'])" in text
+    assert "found, 1 objects" in text
+
+
+def test_explain_raises_what_has_no_plan(store: Store) -> None:
+    with pytest.raises(NotUnderstood):
+        explain(store, "florp the zzz of", now=NOW)
+
+
+def test_asking_does_not_import_what_a_person_would_wait_for() -> None:
+    heavy = ("cv2", "sklearn", "scipy", "textual", "PIL", "pymongo", "joblib")
+    code = f"import sys, assistant.asking; print([m for m in {heavy!r} if m in sys.modules])"
+    result = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True
+    )
+    assert result.stdout.strip() == "[]"
+
+
+def test_a_question_is_asked_of_what_the_ingest_has_written_so_far(store: Store) -> None:
+    before = ask(store, "How many bowls did you see?", now=NOW)
+    assert before.status == "not_found"
+    later = Home(seed=1)
+    later.thing("bowl", "bowl")
+    later.seen("bowl", 20)
+    later.into(store)
+    after = ask(store, "How many bowls did you see?", now=NOW + timedelta(minutes=1))
+    assert after.value == 1.0
