@@ -70,7 +70,7 @@ def test_shades_of_one_colour_are_told_apart(darker: str, lighter: str) -> None:
     dark = tuple(0.42 * np.array(PAINTS[hue]))
     pale = tuple(0.5 * np.array(PAINTS[hue]) + 0.5 * 255)
     rest = [painted(paint, rng) for paint in PAINTS.values()]
-    matrix = np.stack([painted(dark, rng), painted(pale, rng), *rest])  # type: ignore[arg-type]
+    matrix = np.stack([painted(dark, rng), painted(pale, rng), *rest])
     palette = Palette.of(matrix)
     one, other = judge([darker], matrix, palette), judge([lighter], matrix, palette)
     assert one.probability[0] > 3 * one.probability[1]

@@ -14,10 +14,13 @@ from d3a.parameters import DEFAULT
 from d3a.plan import plan
 from grammar.forms import (
     RELATION_KINDS,
+    Ask,
+    Form,
     FormalQuery,
     ObjectTerm,
     Relation,
     RelationKind,
+    Select,
     TimeSlice,
 )
 from tests.worlds.made import NOW, PAINTS, Home, Words, at
@@ -188,8 +191,8 @@ def test_every_query_has_an_answer_of_the_contract(
     kind: RelationKind | None,
     time: TimeSlice | None,
     place: str | None,
-    ask: str,
-    select: str,
+    ask: Ask,
+    select: Select,
     negated: bool,
 ) -> None:
     home = Home(classes=("cup", "bowl", "elephant"))
@@ -201,7 +204,7 @@ def test_every_query_has_an_answer_of_the_contract(
     home.met("bowl", "cup", 5, 6)
     home.room("kitchen", 0, 0, 3, 3)
     relation = Relation(kind) if kind else None
-    form = "Q2" if relation else "Q3"
+    form: Form = "Q2" if relation else "Q3"
     query = FormalQuery(
         "?",
         form,
@@ -211,7 +214,7 @@ def test_every_query_has_an_answer_of_the_contract(
         place,
         time,
         select,
-        negated,  # type: ignore[arg-type]
+        negated,
     )
     answer = run(home, query)
     assert answer.status in ("found", "not_found", "unknown_object")
