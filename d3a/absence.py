@@ -42,9 +42,10 @@ SIDES_KEPT = 12
 
 @dataclass(slots=True)
 class Glance:
-    """What the current look showed of a place: frames in which it was in view, hidden, through,
+    """What the current look showed of a place, in frames.
 
-    and in plain view from a side that has shown it before.
+    frames: in view. hidden: behind something. through: only what is behind it was seen. familiar:
+    in plain view from a side that has shown it before.
     """
 
     thing: Known
@@ -85,7 +86,7 @@ class Absence:
         if scene.pose is None or scene.camera is None or not positions.owners:
             return
         eye = np.array(scene.pose.position) - offset.mean
-        for thing, place in found:
+        for _, place in found:
             _remember_side(place, eye)
         seen = project(positions.mean + offset.mean, scene.pose, scene.camera)
         parameters = self._parameters

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
+from typing import Any
 
 import cv2
 import numpy as np
@@ -33,7 +34,7 @@ def decode(image: Image) -> Pixels:
     content = _content(image)
     if is_cut(content):
         raise BadInput("the picture is cut off: it has no end marker")
-    pixels = cv2.imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_COLOR)
+    pixels = _decoded(content, cv2.IMREAD_COLOR)
     if pixels is None:
         raise BadInput("the file is not a picture that can be decoded")
     return np.asarray(cv2.cvtColor(pixels, cv2.COLOR_BGR2RGB), dtype=np.uint8)
@@ -50,7 +51,7 @@ def decode_depth(depth: Depth) -> NDArray[np.float32]:
     content = _content(depth)
     if is_cut(content):
         raise BadInput("the depth picture is cut off")
-    raw = cv2.imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_UNCHANGED)
+    raw = _decoded(content, cv2.IMREAD_UNCHANGED)
     if raw is None or raw.dtype != np.uint16 or raw.ndim != 2:
         raise BadInput("depth must be a 16-bit PNG with one channel, in millimetres")
     return np.asarray(raw, dtype=np.float32) * np.float32(MILLIMETRE_M)
@@ -58,11 +59,23 @@ def decode_depth(depth: Depth) -> NDArray[np.float32]:
 
 def _content(source: Path | bytes) -> bytes:
     if isinstance(source, bytes):
-        return source
+        content = source
+    else:
+        try:
+            content = source.read_bytes()
+        except OSError as error:
+            raise BadInput(f"{source.name} cannot be read: {error.strerror}") from error
+    if not content:
+        raise BadInput("the file is empty")
+    return content
+
+
+def _decoded(content: bytes, flags: int) -> NDArray[Any] | None:
+    """Return what OpenCV makes of the bytes, None where it makes nothing."""
     try:
-        return source.read_bytes()
-    except OSError as error:
-        raise BadInput(f"{source.name} cannot be read: {error.strerror}") from error
+        return cv2.imdecode(np.frombuffer(content, np.uint8), flags)
+    except cv2.error as error:  # sizes beyond its limits
+        raise BadInput(f"the picture cannot be decoded: {error.err}") from error
 
 
 def is_cut(content: bytes) -> bool:
@@ -129,5 +142,5 @@ def check(image: Image) -> None:
     if isinstance(image, np.ndarray):
         return
     content = _content(image)
-    if not content or is_cut(content):
-        raise BadInput("the picture is empty or cut off")
+    if is_cut(content):
+        raise BadInput("the picture is cut off: it has no end marker")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+import sys
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -150,7 +151,7 @@ def test_a_killed_ingest_that_is_run_again_ends_in_the_same_store(
         assert store.check() == []
         store.close()
     with capsys.disabled():
-        print(f" {KILLS} kills", end="")
+        sys.stdout.write(f" {KILLS} kills ")
 
 
 @pytest.mark.parametrize("profile", ["default", "paper"])
@@ -211,7 +212,11 @@ def test_a_store_filled_otherwise_is_refused_before_anything_is_written() -> Non
     other = RecordingFacts("other", embedding_model="clip")
     for reader, parameters, said in (
         (ListReader(frames), PROFILES["paper"], "profile 'default', not 'paper'"),
-        (ListReader(frames), PROFILES["default"].with_changes(stm_capacity=9), "stm_capacity = 400"),
+        (
+            ListReader(frames),
+            PROFILES["default"].with_changes(stm_capacity=9),
+            "stm_capacity = 400",
+        ),
         (ListReader(frames, other), PROFILES["default"], "embeddings of 'rgb-8x8x8'"),
     ):
         with pytest.raises(StoreRefused, match=said):
@@ -252,6 +257,6 @@ def test_a_state_comes_back_and_a_strange_one_is_refused() -> None:
 def test_a_recording_without_frames_or_detections_is_bad_input() -> None:
     with pytest.raises(BadInput, match="no frame"):
         ingest(ListReader([]), OracleStore(), PROFILES["default"])
+    blind = [Frame("a", 1, image=jpeg(1))]
     with pytest.raises(BadInput, match="needs a detector"):
-        blind = [Frame("a", 1, image=jpeg(1))]
         ingest(ListReader(blind), OracleStore(), PROFILES["default"])

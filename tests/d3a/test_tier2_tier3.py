@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from d3a.ledger import Ledger
-from d3a.parameters import PAPER
-from d3a.paper import PaperPipeline
 from d3a.model import Detection
+from d3a.paper import PaperPipeline
+from d3a.parameters import PAPER
 from d3a.sightings import FrameRef, Scene
 from d3a.stm import Entry, ShortTermMemory
 from d3a.store.base import Batch
@@ -93,10 +93,8 @@ def test_a_full_memory_evicts_the_least_recently_viewed_and_tier_3_merges_it_aga
     pairs = [(0, 1.0), (100, 4.0), (200, 1.1), (300, 4.1)]
     line.see(*(frame(n + k, x, look=1 if x < 2 else 9) for n, x in pairs for k in range(2)))
     store = line.write(flush=True)
-    assert [(r.object_id, r.weight) for r in store.objects()] == [
-        ("o1", pytest.approx(3.2)),
-        ("o2", pytest.approx(3.2)),
-    ]
+    weights = {record.object_id: record.weight for record in store.objects()}
+    assert weights == pytest.approx({"o1": 3.2, "o2": 3.2})
     assert [stay.seen for stay in store.stays()] == [4, 4]
 
 
