@@ -27,7 +27,7 @@ from tests.worlds.victims import kill_loop
 T0 = 1_582_178_400_000
 DAY_MS = 86_400_000
 CATEGORIES = 60
-SPAN_DAYS = 4
+PLACES_A_DAY = 5_000
 BOX = (10.0, 20.0, 110.0, 220.0)
 VIEWER = (1.0, 2.0, 0.0, 0.0, 0.0, 0.0, 1.0)
 
@@ -59,6 +59,11 @@ def main() -> None:
         )
 
 
+def span_ms(places: int) -> int:
+    """Return how long the drawn world lasts: 4 days of 20 k places, 40 of 200 k."""
+    return max(4, places // PLACES_A_DAY) * DAY_MS
+
+
 def say(line: str) -> None:
     sys.stdout.write(line + "\n")
     sys.stdout.flush()
@@ -78,12 +83,12 @@ def world(places: int, at_once: int = 1000) -> Iterator[Batch]:
             embedding = draw.random(512, dtype=np.float32)
             records.append(
                 ObjectRecord(
-                    name, f"c{categories[number]:02}", 1.0, T0, T0 + SPAN_DAYS * DAY_MS,
+                    name, f"c{categories[number]:02}", 1.0, T0, T0 + span_ms(places),
                     embedding=embedding / np.linalg.norm(embedding), embedding_model="bench",
                 )
             )  # fmt: skip
             for place in range(40):
-                starts = np.sort(draw.integers(0, SPAN_DAYS * DAY_MS, 2)) + T0
+                starts = np.sort(draw.integers(0, span_ms(places), 2)) + T0
                 ends = starts + draw.integers(0, 300_000, 2)
                 x, y, z = draw.random(3) * (40, 20, 2)
                 first, last = int(starts[0]), int(ends.max())
@@ -117,7 +122,7 @@ def latencies(store: Store, path: Path, places: int) -> None:
     def within_a_day(
         object_ids: list[str] | None = None, area: Area | None = None
     ) -> list[Sighting]:
-        start = T0 + int(draw.integers(0, (SPAN_DAYS - 1) * DAY_MS))
+        start = T0 + int(draw.integers(0, span_ms(places) - DAY_MS))
         return store.sightings(
             object_ids=object_ids, area=area, start_ms=start, end_ms=start + DAY_MS
         )
@@ -151,7 +156,7 @@ def write_rate(store: Store, places: int, group: int, seconds: float) -> None:
     """Print operations per second and p50 / p95 of a commit of `group` operations."""
     draw = np.random.default_rng(group)
     known = store.objects(ids=[f"o{n:06}" for n in range(min(500, max(1, places // 40)))])
-    now = T0 + SPAN_DAYS * DAY_MS
+    now = T0 + span_ms(places)
     taken, begun = [], time.perf_counter()
     while time.perf_counter() - begun < seconds:
         records, stays, sightings = [], [], []
