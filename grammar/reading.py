@@ -25,11 +25,12 @@ _TERMINALS = (
     "FINDS _EXCEPT _FIND _HOWLONG _HOWMANY _HOWOFTEN _MADE_OF _NOT_MADE_OF _SEEK _SHOW _THAT_IS "
     "_THAT_IS_NOT _WHAT _WHEN _WHERE _WHETHER _WHICH _WITHOUT_PART _WITH_PART"
 ).split()
+QUESTION = lalr.Source("question.lark", tuple(_TERMINALS), ("start", "fragment"))
 
 
 @lru_cache(maxsize=1)
 def _parser() -> Lark:
-    return lalr.parser("question.lark", tuple(_TERMINALS), Meanings(), ("start", "fragment"))
+    return lalr.parser(QUESTION, Meanings())
 
 
 def month_first(now: datetime) -> bool | None:

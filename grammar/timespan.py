@@ -21,6 +21,7 @@ _TERMINALS = (
     "_AGO _AND _AROUND _BEFORE _BETWEEN _CPAST _CTO _EARLIER_THAN _FROM _HALF _LAST _LASTN "
     "_LASTN1 _LATER_THAN _OCLOCK _SINCE _THIS _TO _UNTIL"
 ).split()
+TIME = lalr.Source("time.lark", tuple(_TERMINALS))
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,7 +35,7 @@ class Found:
 
 @lru_cache(maxsize=1)
 def _parser() -> Lark:
-    return lalr.parser("time.lark", tuple(_TERMINALS), TimeForms())
+    return lalr.parser(TIME, TimeForms())
 
 
 def find(words: list[str]) -> list[Found]:
