@@ -13,8 +13,6 @@ from assistant.session import Session, questions_for
 from assistant.terminal import clean, clean_lines
 from assistant.wording import keyframe_row, more_words
 from d3a.answer import Answer
-from d3a.store.base import StoreError
-from grammar.errors import QuestionError
 
 HELP = """Type a question, and Enter. Also:
   1, 2, 3 ...   more of that answer's keyframe
@@ -65,6 +63,9 @@ class PlainChat:
         if answer.message and answer.answer and answer.message != answer.answer:
             self._say(f"Reason: {clean(answer.message)}")
         self._list(0, SHOWN)
+        if answer.otherwise is not None and not answer.keyframes:
+            row = ", ".join(keyframe_row(answer.otherwise, self._session.now()))
+            self._say(f"Instead: {row}")
         for suggestion in answer.suggestions:
             self._say(f"Did you mean: {clean(suggestion)}")
 
@@ -96,11 +97,7 @@ class PlainChat:
         if self._answer is None:
             self._say("Ask a question first.")
             return
-        try:
-            explanation = self._session.explain(self._answer.text)
-        except (QuestionError, StoreError) as error:
-            explanation = str(error)
-        self._say(clean_lines(explanation))
+        self._say(clean_lines(self._session.explained(self._answer.text)))
 
 
 def lines_of(stream: TextIO, prompt: Callable[[], None]) -> Iterator[str]:

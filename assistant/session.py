@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from d3a.answer import Answer
 from d3a.store.base import StoreError
+from grammar.errors import QuestionError
 
 if TYPE_CHECKING:
     from d3a.store.base import Store
@@ -42,6 +43,15 @@ class Session:
             words = "Something in me is broken; this question did not work."
             name = type(error).__name__
             return Answer(text=text, status="error", answer=words, message=f"{name}: {error}")
+
+    def explained(self, text: str) -> str:
+        """Return why a question has its answer, or why that cannot be told."""
+        try:
+            return self.explain(text)
+        except (QuestionError, StoreError) as error:
+            return str(error)
+        except Exception as error:  # as above
+            return f"{type(error).__name__}: {error}"
 
 
 def known_words(store: Store) -> tuple[str, ...]:

@@ -91,9 +91,10 @@ def answer_lines(answer: Answer, now: datetime, *, rows: int | None = None) -> l
     lines = [answer.answer or answer.message or ""]
     if answer.message and answer.message != answer.answer and answer.answer:
         lines.append(answer.message)
-    if answer.keyframes:
+    if answer.keyframes or answer.otherwise:
         header = ["#", "what", "last seen", "where", "how sure", "views", "score", "frame"]
-        shown = answer.keyframes[:rows]
+        instead = (answer.otherwise,) if answer.otherwise else ()
+        shown = answer.keyframes[:rows] or instead
         cells = [[str(k.rank), *keyframe_row(k, now), f"{k.score:.2f}", k.frame] for k in shown]
         lines += ["", *table([header, *cells], limits={1: 24, 3: 34, 7: 24})]
         if len(shown) < len(answer.keyframes):

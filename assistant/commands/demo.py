@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import sys
 from dataclasses import replace
 
 import click
 
 from assistant.commands.chat import hold, session_of
 from assistant.options import failures, opened, settings_of, settings_options
-from assistant.terminal import clean_lines, why_not_full_screen
+from assistant.terminal import clean_lines, is_terminal
 
 
 @click.command("demo")
@@ -30,7 +31,8 @@ def command(context: click.Context, tour: bool, plain: bool) -> None:
         settings = replace(settings, store=uri, store_from="the demo")
         with opened(settings) as store:
             session = session_of(settings, store, title="the demo home", suggestions=QUESTIONS)
-            if tour or (why_not_full_screen() is not None and not plain):
+            nobody = not (is_terminal(sys.stdin) and is_terminal(sys.stdout))
+            if tour or (nobody and not plain):
                 for line in tour_lines(session):
                     click.echo(clean_lines(line))
                 return

@@ -33,7 +33,6 @@ from assistant.wording import keyframe_row
 from d3a.answer import Answer, RankedKeyframe
 from d3a.model import D3AError
 from d3a.store.base import Keyframe
-from grammar.errors import QuestionError
 
 LOOKING_S = 0.3
 """An answer that takes longer than this says that it is being looked for."""
@@ -161,7 +160,11 @@ class ChatApp(App[None], inherit_bindings=False):
                 )
         except D3AError as error:
             world = World(problem=str(error))
+        except Exception as error:  # a chat outlives a defect, and shows it
+            world = World(problem=f"{type(error).__name__}: {error}")
         self.post_message(self.Surveyed(world))
+        with self._store_lane:  # the first question builds the grammar: 0.1 s to wait for
+            self._session.safely("where is it?")
 
     def on_chat_app_surveyed(self, message: Surveyed) -> None:
         """Show whose memory this is and what it can answer."""
@@ -310,11 +313,8 @@ class ChatApp(App[None], inherit_bindings=False):
 
     @work(thread=True, group="explain")
     def _explain(self, sheet: Sheet, answer: Answer, chosen: RankedKeyframe | None) -> None:
-        try:
-            with self._store_lane:
-                explanation = self._session.explain(answer.text)
-        except (QuestionError, D3AError) as error:
-            explanation = str(error)
+        with self._store_lane:
+            explanation = self._session.explained(answer.text)
         self.post_message(self.Explained(sheet, why_text(answer, chosen, explanation)))
 
     def on_chat_app_explained(self, message: Explained) -> None:

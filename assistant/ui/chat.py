@@ -69,16 +69,17 @@ def header(
     parts = [f"d3a  {clean(title)}"]
     if newest_ms is not None:
         newest = from_ms(newest_ms, now)
-        parts.append(f"memory up to {short_time(newest, now)} ({ago(newest, now)})")
+        moment = short_time(newest, now).removesuffix(" today")
+        parts.append(f"memory up to {moment} ({ago(newest, now)})")
     parts.append(f"times: {now.tzinfo}")
     if answer is not None and answer.keyframes:
         spent = answer.elapsed_ms.get("total")
         parts.append(f"{len(answer.keyframes)} found")
         if spent is not None:
             parts[-1] += f" in {spent:.0f} ms"
-    while len(parts) > 1 and width_of("   ".join(parts)) > width:
+    while len(parts) > 1 and width_of("  ".join(parts)) > width:
         parts.pop()
-    return "   ".join(parts)
+    return "  ".join(parts)
 
 
 class ChatScreen(Screen[None]):

@@ -99,9 +99,8 @@ def test_a_conversation_in_tmux(terminal: Terminal, tmp_path: Path) -> None:
     assert "^q Quit" in lines[23]
 
     terminal.resize(160, 50)
-    screen = terminal.until(lambda screen: "Around the box" in screen)
-    assert "whole picture" in screen
-    assert "now 19:00" in screen  # the timeline
+    wide = ("Around the box", "whole picture", "now 19:00")  # crop, picture, timeline
+    terminal.until(lambda screen: all(words in screen for words in wide))
     terminal.resize(50, 12)
     screen = terminal.until(lambda screen: "Around the box" not in screen)
     terminal.until(lambda screen: "┏" not in screen and "9:42 today" in screen)

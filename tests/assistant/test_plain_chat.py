@@ -63,6 +63,14 @@ def test_what_is_not_known_comes_with_what_is() -> None:
     ]
 
 
+def test_a_no_names_the_nearest_true_sighting() -> None:
+    lines = said("where were my keys yesterday\n")
+    assert lines[1:] == [
+        "Answer: Not then; on Friday at 17:00.",
+        "Instead: keys, 17:00 Fri, kitchen, by the sofa, a guess, seen once",
+    ]
+
+
 def test_escapes_from_data_are_not_printed() -> None:
     lines = said("where is the mug\x1b[2J [/]\n")
     assert "mug [red]" in "".join(lines)

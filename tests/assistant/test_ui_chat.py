@@ -29,7 +29,6 @@ from tests.worlds import small_home
 from tests.worlds.oracle import OracleStore
 
 QUESTION = "where are my keys?"
-NOTHING: Any = None
 
 
 class Chat:
@@ -387,9 +386,13 @@ async def test_a_programming_error_is_an_answer_that_names_it() -> None:
     def ask(text: str) -> Answer:
         raise ZeroDivisionError("float division")
 
-    async with chat(small_home.session(store, ask, suggestions=(QUESTION,))) as c:
+    broken = small_home.session(store, ask, explain=ask, suggestions=(QUESTION,))
+    async with chat(broken) as c:
         await c.ask()
         assert "ZeroDivisionError: float division" in c.said()
+        await c.pilot.press("f7")
+        sheet = c.app.screen.query_one("#sheet-text", Static)
+        await c.until(lambda: "\nZeroDivisionError" in str(sheet.content))
 
 
 class NoPictures(OracleStore):
