@@ -14,8 +14,9 @@ from assistant.reply import sentence
 from d3a.answer import Answer, Status
 from d3a.conclude import within
 from d3a.execute import execute
+from d3a.facts import Facts
 from d3a.model import Json
-from d3a.parameters import DEFAULT, PROFILES, Parameters
+from d3a.parameters import Parameters
 from d3a.plan import Plan, Precision, plan
 from d3a.store.base import NativeQuery, Store, StoreError
 from grammar import StoreWords, parse
@@ -79,12 +80,14 @@ def store_words(store: Store) -> StoreWords:
     A detector's class list counts too: "never seen" and "no such word" are different answers.
     Raises StoreError.
     """
-    seen = [category for category, _ in store.categories()]
-    classes = [str(word) for word in store.meta("classes") or ()]
+    return _words(Facts(store))
+
+
+def _words(facts: Facts) -> StoreWords:
     return StoreWords(
-        categories=tuple(dict.fromkeys(seen + classes)),
-        names=tuple((name.word, name.owner) for name in store.names()),
-        places=tuple(region.name for region in store.regions()),
+        categories=tuple(dict.fromkeys([*facts.categories(), *(facts.classes() or ())])),
+        names=tuple((name.word, name.owner) for name in facts.names()),
+        places=tuple(region.name for region in facts.regions()),
     )
 
 
@@ -144,26 +147,29 @@ def ask(
     fails are answers with their status, never an exception.
     """
     started = perf_counter()
+    facts = Facts(store)
     try:
-        query = read_question(store, text, now=now)
+        query = read_question(store, text, now=now, facts=facts)
     except QuestionError as error:
         return replace(refusal(error), id=id, elapsed_ms={"total": _ms_since(started)})
     except StoreError as error:
         return replace(failure(text, error), id=id, elapsed_ms={"total": _ms_since(started)})
     parse_ms = _ms_since(started)
-    answer = ask_query(store, query, now=now, limit=limit, precision=precision)
+    answer = ask_query(store, query, now=now, limit=limit, precision=precision, facts=facts)
     elapsed = {"parse": parse_ms} | answer.elapsed_ms | {"total": _ms_since(started)}
     return replace(answer, id=id, elapsed_ms=elapsed)
 
 
-def read_question(store: Store, text: str, *, now: datetime) -> FormalQuery:
+def read_question(
+    store: Store, text: str, *, now: datetime, facts: Facts | None = None
+) -> FormalQuery:
     """Return the formal query of a question in words or in notation.
 
     Raises QuestionError where it has none, StoreError where the store's words cannot be had.
     """
     if looks_formal(text):
         return read(text, now=now)
-    return parse(text, now=now, words=store_words(store))
+    return parse(text, now=now, words=_words(facts or Facts(store)))
 
 
 def ask_query(
@@ -173,15 +179,26 @@ def ask_query(
     now: datetime,
     limit: int = 50,
     precision: str | None = None,
+    facts: Facts | None = None,
 ) -> Answer:
-    """Answer a formal query, as `ask` does; dialogues and tests come in here."""
+    """Answer a formal query, as `ask` does; dialogues and tests come in here.
+
+    facts: what was read of the store for this question already.
+    """
     started = perf_counter()
+    facts = facts or Facts(store)
+    rung = _precision(precision)
     try:
-        parameters = store_parameters(store)
-        steps = plan(query, parameters=parameters, precision=_precision(precision))
-        lexicon = VocabularyLexicon()
-        enough = max(limit, TOLD_FROM)
-        answer = execute(steps, store, lexicon, now=now, limit=enough, parameters=parameters)
+        parameters = facts.parameters()
+        answer = execute(
+            plan(query, parameters=parameters, precision=rung),
+            store,
+            VocabularyLexicon(),
+            now=now,
+            limit=max(limit, TOLD_FROM),
+            parameters=parameters,
+            facts=facts,
+        )
     except StoreError as error:
         return replace(failure(query.text, error), query=query)
     answer = within(replace(answer, answer=sentence(answer, now=now)), limit)
@@ -194,7 +211,7 @@ def explain(store: Store, text: str, *, now: datetime) -> Explanation:
     started = perf_counter()
     query = read_question(store, text, now=now)
     parsed_ms = _ms_since(started)
-    parameters = store_parameters(store)
+    parameters = Facts(store).parameters()
     steps = plan(query, parameters=parameters)
     store.tracing(native.append)
     try:
@@ -208,16 +225,8 @@ def explain(store: Store, text: str, *, now: datetime) -> Explanation:
 
 
 def store_parameters(store: Store) -> Parameters:
-    """Return the parameters that filled the store, its own thresholds; unknown ones are left.
-
-    A store that was filled with another `together_m` is asked with the same. Raises StoreError.
-    """
-    known = store.meta("parameters")
-    if not isinstance(known, dict):
-        return DEFAULT
-    base = PROFILES.get(str(known.get("profile")), DEFAULT)
-    names = base.to_json().keys()
-    return base.with_changes(**{name: known[name] for name in names if name in known})
+    """Return the parameters that filled the store: it is asked with its own thresholds."""
+    return Facts(store).parameters()
 
 
 def refusal(error: QuestionError) -> Answer:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
 
 from rapidfuzz import fuzz, process
 
@@ -18,22 +19,15 @@ class VocabularyLexicon:
 
     def canonical(self, word: str) -> str:
         """Return the category of a word after plural, synonyms and detector spelling."""
-        return vocabulary.canonical(word.replace("_", " ").lower())
+        return _canonical(word)
 
     def broader(self, category: str) -> Sequence[str]:
         """Return the wider words, nearest first."""
-        return vocabulary.broader(category)
+        return _broader(category)
 
     def narrower(self, category: str) -> Sequence[str]:
         """Return the categories that a wider word takes in, and what those take in."""
-        found: list[str] = []
-        waiting = list(vocabulary.narrower(category))
-        while waiting:
-            word = waiting.pop(0)
-            if word not in found:
-                found.append(word)
-                waiting += vocabulary.narrower(word)
-        return tuple(found)
+        return _narrower(category)
 
     def is_part(self, word: str) -> bool:
         """Return whether a word names a part of a thing: handle, lid."""
@@ -52,3 +46,25 @@ class VocabularyLexicon:
                 [*(w for w, score, _ in alike if score >= 80), *kin] + [w for w, _, _ in alike]
             )
         )[:3]
+
+
+@lru_cache(maxsize=4096)
+def _canonical(word: str) -> str:
+    return vocabulary.canonical(word.replace("_", " ").lower())
+
+
+@lru_cache(maxsize=4096)
+def _broader(category: str) -> tuple[str, ...]:
+    return vocabulary.broader(category)
+
+
+@lru_cache(maxsize=1024)
+def _narrower(category: str) -> tuple[str, ...]:
+    found: list[str] = []
+    waiting = list(vocabulary.narrower(category))
+    while waiting:
+        word = waiting.pop(0)
+        if word not in found:
+            found.append(word)
+            waiting += vocabulary.narrower(word)
+    return tuple(found)

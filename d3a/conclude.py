@@ -99,7 +99,7 @@ def keyframe(
         start=start,
         end=end,
         position=position,
-        place=room_of(run.regions(), position),
+        place=room_of(run.facts.regions(), position),
         near=run.near(entry),
         seen=sighting.seen,
         last_absent=_moment(run, gone),

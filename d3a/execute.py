@@ -14,6 +14,7 @@ from d3a.answer import Answer
 from d3a.attributes import judged
 from d3a.changes import Slice, missing, moved, usual
 from d3a.conclude import conclude
+from d3a.facts import Facts
 from d3a.joins import (
     SYMMETRIC,
     Related,
@@ -65,12 +66,14 @@ def execute(
     now: datetime,
     limit: int,
     parameters: Parameters,
+    facts: Facts | None = None,
 ) -> Answer:
     """Return the answer of a plan, without its sentence.
 
-    now: aware; its zone is that of the answer's times. limit: most keyframes. Raises StoreError.
+    now: aware; its zone is that of the answer's times. limit: most keyframes. facts: where the
+    caller has read of the store already. Raises StoreError.
     """
-    run = Run(plan.query, store, lexicon, now, parameters)
+    run = Run(plan.query, store, lexicon, now, parameters, facts or Facts(store))
     started = perf_counter()
     ranking_ms = 0.0
     for step in plan.steps:
@@ -135,7 +138,7 @@ def _slice(start: datetime | None, end: datetime | None) -> Slice:
 
 
 def _find_objects(run: Run, step: FindObjects) -> None:
-    seen = run.categories()
+    seen = run.facts.categories()
     worth = rungs(step, seen, run.lexicon)
     if step.category == ANYTHING or step.precision == "any":
         records = run.store.objects()
@@ -146,7 +149,9 @@ def _find_objects(run: Run, step: FindObjects) -> None:
         records += [record for record in named if record.object_id not in known]
     found = candidates(step, records, worth)
     table = Found({c.record.object_id: c for c in found})
-    table.known = bool(worth) or bool(found) or bool(rungs(step, run.classes() or (), run.lexicon))
+    table.known = (
+        bool(worth) or bool(found) or bool(rungs(step, run.facts.classes() or (), run.lexicon))
+    )
     run.found[step.var] = table
     if step.owner not in (None, "me", "you") and found:
         mine = any(n.owner == step.owner for c in found for n in c.record.names)
@@ -158,7 +163,7 @@ def _judge(run: Run, step: JudgeAttributes) -> None:
     table = run.found[step.var]
     if not table.candidates:
         return
-    verdict = judged(step, list(table.candidates.values()), run.palette, run.lexicon)
+    verdict = judged(step, list(table.candidates.values()), run.facts.palette, run.lexicon)
     for words in verdict.unjudged:
         run.leave_out(words)
     table.refused = [c for name, c in table.candidates.items() if name not in verdict.kept]
@@ -214,7 +219,7 @@ def _filter_place(run: Run, step: FilterPlace) -> None:
     if region is None or (stays and all(stay.position is None for stay in stays)):
         run.leave_out(f"in the {step.place}")
         return
-    run.before_place[step.var] = run.answering(step.var)
+    run.before_place[step.var] = list(table.sightings)
     inside = probability_inside(region, stays)
     for stay, p in zip(stays, inside, strict=True):
         if p == p:  # a stay without a position is in no room: it cannot be told
@@ -239,7 +244,7 @@ def _relate(run: Run, step: Relate) -> None:
     if not all(one.judged for one in found):
         run.leave_out(run.relation_words(step, [run.term(var) for var in step.vars[1:]]))
         return
-    run.before_relation[step.vars[0]] = run.answering(step.vars[0])
+    run.before_relation[step.vars[0]] = list(figure.sightings)
     if step.keep == "figure":
         held = holders(found[0])
         wanted = {
@@ -273,8 +278,8 @@ def _related(run: Run, step: Relate, figure: Found, ground: Found) -> Related:
 
 
 def _find_later_names(run: Run, step: FindLaterNames) -> None:
-    newest = rank(run.answering(step.var), "last", spread=False)
-    if newest and run.moments is None:
+    newest = rank(run.answering(step.var), "last", spread=False) if run.moments is None else []
+    if newest:
         entry = newest[0].moment.figure
         later_names(run.store, entry, run.found[step.var], run.parameters)
 

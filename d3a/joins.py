@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from d3a import relations
+from d3a.model import Box
 from d3a.moments import Found, Moment, entry_of, positions
 from d3a.parameters import Parameters
 from d3a.places import sigma_of
@@ -25,6 +26,7 @@ HOLDS = 0.5
 REACH_M = 4.0
 """Things further apart than this, beyond their uncertainty, are in no relation that is asked."""
 _PART = 4_000_000  # pairs compared at once: keeps the join's memory under 100 MB
+Spans = dict[StayKey, list[tuple[int, int]]]
 SYMMETRIC: frozenset[RelationKind] = frozenset({"together", "near", "same_place"})
 
 
@@ -74,59 +76,49 @@ def _is_mirrored(link: Link, figure: Found, ground: Found) -> bool:
     return a > b and b in figure.candidates and a in ground.candidates
 
 
-def _spans(found: Found) -> dict[StayKey, list[tuple[int, int]]]:
-    spans: dict[StayKey, list[tuple[int, int]]] = {}
+def _spans(found: Found) -> Spans:
+    spans: Spans = {}
     for sighting in found.sightings:
         spans.setdefault(sighting.stay, []).append((sighting.start_ms, sighting.end_ms))
     return spans
 
 
-def _oriented(
-    encounter: Encounter,
-    figures: dict[StayKey, list[tuple[int, int]]],
-    grounds: dict[StayKey, list[tuple[int, int]]],
-) -> list[Link]:
+def _oriented(encounter: Encounter, figures: Spans, grounds: Spans) -> list[Link]:
     """Return the encounter as (figure, ground), both ways round where both may be either.
 
     Only where it belongs to sightings that were found: those of the asked place and time.
     """
+    e = encounter
+    first, second = (e.object_a, e.place_a), (e.object_b, e.place_b)
+    start, end = e.start_ms, e.end_ms
     out: list[Link] = []
-    first, second = _sightings_of(encounter)
-    for a, b in ((first, second), (second, first)):
-        if _shown(a, figures) and _shown(b, grounds):
-            out.append(Link(a, b, encounter.start_ms, encounter.end_ms, encounter))
+    if _shown(figures, first, start, end) and _shown(grounds, second, start, end):
+        out.append(Link(_seen(e, first, e.box_a), _seen(e, second, e.box_b), start, end, e))
+    if _shown(figures, second, start, end) and _shown(grounds, first, start, end):
+        out.append(Link(_seen(e, second, e.box_b), _seen(e, first, e.box_a), start, end, e))
     return out
 
 
-def _shown(sighting: Sighting, spans: dict[StayKey, list[tuple[int, int]]]) -> bool:
-    return any(
-        start <= sighting.end_ms and end >= sighting.start_ms
-        for start, end in spans.get(sighting.stay, ())
-    )
+def _shown(spans: Spans, stay: StayKey, start_ms: int, end_ms: int) -> bool:
+    own = spans.get(stay)
+    return own is not None and any(a <= end_ms and b >= start_ms for a, b in own)
 
 
-def _sightings_of(encounter: Encounter) -> tuple[Sighting, Sighting]:
-    """Return an encounter as two sightings in its own frame."""
-    first, second = (
-        Sighting(
-            object_id=name,
-            place=place,
-            start_ms=encounter.start_ms,
-            end_ms=encounter.end_ms,
-            frame=encounter.frame,
-            probability=encounter.probability,
-            box=box,
-            image=encounter.image,
-            seen=encounter.seen,
-            recording=encounter.recording,
-            viewer=encounter.viewer,
-        )
-        for name, place, box in (
-            (encounter.object_a, encounter.place_a, encounter.box_a),
-            (encounter.object_b, encounter.place_b, encounter.box_b),
-        )
+def _seen(encounter: Encounter, stay: StayKey, box: Box) -> Sighting:
+    """Return one side of an encounter as a sighting in its frame."""
+    return Sighting(
+        object_id=stay[0],
+        place=stay[1],
+        start_ms=encounter.start_ms,
+        end_ms=encounter.end_ms,
+        frame=encounter.frame,
+        probability=encounter.probability,
+        box=box,
+        image=encounter.image,
+        seen=encounter.seen,
+        recording=encounter.recording,
+        viewer=encounter.viewer,
     )
-    return first, second
 
 
 def _overlapping(

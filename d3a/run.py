@@ -7,14 +7,14 @@ from dataclasses import dataclass, field
 from datetime import datetime
 
 from d3a.answer import Reason, Status
-from d3a.colours import HISTOGRAM_SIZE, Palette
+from d3a.facts import Facts
 from d3a.match import Lexicon, squash
 from d3a.moments import Entry, Found, Moment, single
 from d3a.parameters import Parameters
 from d3a.places import Landmarks, landmark_categories, landmarks
 from d3a.plan import FindObjects, Relate
 from d3a.rank import Ranked
-from d3a.store.base import ObjectRecord, Region, Store
+from d3a.store.base import ObjectRecord, Region, Sighting, Store
 from grammar.forms import ANYTHING, FormalQuery, ObjectTerm
 
 _WORDS = {
@@ -30,7 +30,7 @@ _WORDS = {
 class Run:
     """One walk over a plan. Steps read and narrow `found`; `moments` is None until joined.
 
-    before_place, before_relation: by variable, the moments that a place or relation then sifted.
+    before_place, before_relation: by variable, the sightings that a place or relation sifted.
     unjudged: conditions left out, in the order of the question, none twice.
     """
 
@@ -39,12 +39,13 @@ class Run:
     lexicon: Lexicon
     now: datetime
     parameters: Parameters
+    facts: Facts
     found: dict[str, Found] = field(default_factory=dict)
     moments: list[Moment] | None = None
     ranked: list[Ranked] = field(default_factory=list)
     unjudged: list[str] = field(default_factory=list)
-    before_place: dict[str, list[Moment]] = field(default_factory=dict)
-    before_relation: dict[str, list[Moment]] = field(default_factory=dict)
+    before_place: dict[str, list[Sighting]] = field(default_factory=dict)
+    before_relation: dict[str, list[Sighting]] = field(default_factory=dict)
     last_looked_ms: int | None = None
     landmarks: Landmarks | None = None
     status: Status = "found"
@@ -52,47 +53,16 @@ class Run:
     otherwise: Moment | None = None
     suggestions: tuple[str, ...] = ()
     message: str | None = None
-    _categories: list[str] | None = None
-    _classes: list[str] | None = None
-    _regions: list[Region] | None = None
-    _palette: Palette | None = None
-
-    def categories(self) -> list[str]:
-        """Return the categories of the store, by name."""
-        if self._categories is None:
-            self._categories = [category for category, _ in self.store.categories()]
-        return self._categories
-
-    def classes(self) -> list[str] | None:
-        """Return what the detectors that filled the store can recognise, None where unknown."""
-        if self._classes is None:
-            known = self.store.meta("classes")
-            self._classes = [str(word) for word in known] if known else []
-        return self._classes or None
-
-    def regions(self) -> list[Region]:
-        """Return the named rooms."""
-        if self._regions is None:
-            self._regions = self.store.regions()
-        return self._regions
 
     def region(self, name: str | None) -> Region | None:
         """Return the room of that name, None where nobody defined it."""
         wanted = squash(name or "")
-        return next((r for r in self.regions() if squash(r.name) == wanted), None)
-
-    def palette(self) -> Palette:
-        """Return what the boxes of the whole store hold together, for colours."""
-        if self._palette is None:
-            _, matrix = self.store.embeddings()
-            usable = matrix.shape[1:] == (HISTOGRAM_SIZE,)
-            self._palette = Palette.of(matrix if usable else matrix[:0].reshape(0, HISTOGRAM_SIZE))
-        return self._palette
+        return next((r for r in self.facts.regions() if squash(r.name) == wanted), None)
 
     def named(self, step: FindObjects) -> list[ObjectRecord]:
         """Return the objects that a person taught this word for; asks only where any name fits."""
         words = {squash(step.word), squash(step.category)}
-        known = sorted({n.word for n in self.store.names() if squash(n.word) in words})
+        known = sorted({n.word for n in self.facts.names() if squash(n.word) in words})
         return self.store.objects(names=known) if known else []
 
     def answering(self, var: str) -> list[Moment]:
@@ -127,7 +97,7 @@ class Run:
         """Read the large static things, where there is a keyframe to tell."""
         if not self.ranked and self.otherwise is None:
             return
-        wanted = landmark_categories(self.categories(), self.lexicon)
+        wanted = landmark_categories(self.facts.categories(), self.lexicon)
         records = self.store.objects(categories=wanted) if wanted else []
         ids = [record.object_id for record in records if not record.tentative]
         stays = self.store.stays(object_ids=ids) if ids else []

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from d3a.moments import Moment, single
+from d3a.moments import Found, Moment, single
 from d3a.plan import ExplainEmpty
 from d3a.rank import rank
 from d3a.run import Run, milliseconds
@@ -17,13 +17,13 @@ def explain_empty(run: Run, step: ExplainEmpty) -> None:
 
     "Did you see the cup and the bowl?" is a no when either was not seen: the other is told.
     """
-    unseen = [var for var in step.vars if not run.answering(var)]
+    unseen = [] if run.moments is not None else [v for v in step.vars if not run.found[v].sightings]
     if run.ranked and not (unseen and run.query.ask == "whether"):
         return
     run.status = "not_found"
     best = run.ranked[0].moment if run.ranked else None
     run.ranked = []
-    if not run.categories():
+    if not run.facts.categories():
         run.reason = "empty"
         return
     var = unseen[0] if unseen else step.vars[0]
@@ -41,16 +41,17 @@ def explain_empty(run: Run, step: ExplainEmpty) -> None:
 def _why(run: Run, step: ExplainEmpty, var: str) -> None:
     """Set the reason of a no for a variable whose word is known, and what to tell instead."""
     run.reason = "never"
-    if run.query.ask in ("moved", "missing") or not run.found[var].candidates:
+    table = run.found[var]
+    if run.query.ask in ("moved", "missing") or not table.candidates:
         return
-    if run.found[var].gone:
+    if table.gone:
         run.reason = "gone"
-        run.otherwise = _newest([single(run.found[var], s) for s in run.found[var].gone])
+        run.otherwise = _newest(table, table.gone)
         return
     sifted = run.before_relation.get(var) or run.before_place.get(var)
     if sifted:
         run.reason = "not_there"
-        run.otherwise = _newest(sifted)
+        run.otherwise = _newest(table, sifted)
         return
     outside = _outside(run, step, var)
     if outside:
@@ -79,17 +80,17 @@ def _terms(run: Run, var: str) -> list[ObjectTerm]:
 def _unknown(run: Run, category: str, word: str) -> None:
     """No category, taught name or class is this word: tell the nearest that there are."""
     run.status = "unknown_object"
-    run.reason = "not_recognisable" if run.classes() is not None else "never"
-    spelled = {run.lexicon.canonical(c): c for c in run.categories()}
-    names = [name.word for name in run.store.names()]
+    run.reason = "not_recognisable" if run.facts.classes() is not None else "never"
+    spelled = {run.lexicon.canonical(c): c for c in run.facts.categories()}
+    names = [name.word for name in run.facts.names()]
     near = [*run.lexicon.nearest(word, [*names, *spelled])]
     if word != category:
         near += run.lexicon.nearest(category, [*names, *spelled])
     run.suggestions = tuple(dict.fromkeys(near))[:3]
 
 
-def _newest(moments: Sequence[Moment]) -> Moment | None:
-    ordered = rank(moments, "last", spread=False)
+def _newest(table: Found, sightings: Sequence[Sighting]) -> Moment | None:
+    ordered = rank([single(table, s) for s in sightings], "last", spread=False)
     return ordered[0].moment if ordered else None
 
 

@@ -17,9 +17,9 @@ from assistant.asking import (
     explain,
     home_zone,
     store_now,
-    store_parameters,
     store_words,
 )
+from d3a.facts import Facts
 from d3a.parameters import DEFAULT, PAPER
 from d3a.store.base import Batch, Store, StoreUnreachable
 from grammar.errors import NotUnderstood
@@ -143,10 +143,10 @@ def test_zone_of_the_home(store: Store) -> None:
 
 
 def test_a_store_is_asked_with_the_thresholds_that_filled_it(store: Store) -> None:
-    assert store_parameters(store) == DEFAULT
+    assert Facts(store).parameters() == DEFAULT
     filled = PAPER.with_changes(together_m=2.5).to_json() | {"from_a_later_version": 1}
     store.apply(Batch(meta={"parameters": filled}))
-    assert store_parameters(store) == PAPER.with_changes(together_m=2.5)
+    assert Facts(store).parameters() == PAPER.with_changes(together_m=2.5)
 
 
 def test_explain_tells_plan_and_native_queries(make_store: Callable[[], Store]) -> None:
