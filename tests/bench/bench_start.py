@@ -2,8 +2,9 @@
 
     python -m tests.bench.bench_start [--store URI] [--question TEXT] [--runs 10]
 
-Prints the median of the runs in ms, the number of modules that were loaded, and which of the
-heavy ones were. Without --store the demo home is filled first.
+Prints the median and the best of the runs in ms, the processor time of one (which other work on
+the machine moves less), the number of modules that were loaded, and which of the heavy ones
+were. Without --store the demo home is filled first.
 """
 
 from __future__ import annotations
@@ -30,32 +31,39 @@ PROGRAM = (
 
 @dataclass(frozen=True)
 class Measured:
-    """Milliseconds of each run, and the modules that were loaded."""
+    """Milliseconds of each run, the modules that were loaded, processor time of the median run."""
 
     runs_ms: list[float]
-    modules: frozenset[str]
+    modules: frozenset[str] = frozenset()
+    processor_ms: float | None = None
 
     def line(self, name: str) -> str:
         """Return one line of the report."""
         heavy = [module for module in HEAVY if module in self.modules]
         median, least = statistics.median(self.runs_ms), min(self.runs_ms)
         count = f"{len(self.modules)} modules" if self.modules else ""
-        return f"{name:<28} {median:7.0f} {least:7.0f}  {count:<13} {' '.join(heavy)}"
+        processor = "" if self.processor_ms is None else f"{self.processor_ms:.0f}"
+        numbers = f"{median:7.0f} {least:7.0f} {processor:>7}"
+        return f"{name:<28} {numbers}  {count:<13} {' '.join(heavy)}"
 
 
 def measure(arguments: list[str], runs: int) -> Measured:
     """Run `d3a` with the arguments so many times, each in a process of its own."""
     command = [sys.executable, "-c", PROGRAM, *arguments]
-    spent = []
+    spent, processor = [], []
     for _ in range(runs):
-        started = time.perf_counter()
+        before, started = os.times(), time.perf_counter()
         done = subprocess.run(command, capture_output=True, text=True, check=False)
         spent.append((time.perf_counter() - started) * 1000)
+        after = os.times()
+        user, system = after.children_user, after.children_system
+        processor.append((user + system - before.children_user - before.children_system) * 1000)
         if done.returncode not in (0, 1):
             raise SystemExit(
                 f"d3a {' '.join(arguments)} ended with {done.returncode}: {done.stderr}"
             )
-    return Measured(spent, frozenset(done.stderr.rpartition("LOADED ")[2].split()))
+    modules = frozenset(done.stderr.rpartition("LOADED ")[2].split())
+    return Measured(spent, modules, statistics.median(processor))
 
 
 def bare(runs: int) -> Measured:
@@ -65,7 +73,7 @@ def bare(runs: int) -> Measured:
         started = time.perf_counter()
         subprocess.run([sys.executable, "-c", "pass"], check=True)
         spent.append((time.perf_counter() - started) * 1000)
-    return Measured(spent, frozenset())
+    return Measured(spent)
 
 
 def first_paint(store: str, runs: int) -> Measured:
@@ -94,7 +102,7 @@ def first_paint(store: str, runs: int) -> Measured:
             spent.append((time.perf_counter() - started) * 1000)
             process.kill()
         os.close(master)
-    return Measured(spent, frozenset())
+    return Measured(spent)
 
 
 async def answers(store: str, question: str, runs: int) -> Measured:
@@ -131,7 +139,7 @@ async def answers(store: str, question: str, runs: int) -> Measured:
             await asyncio.wait_for(shown.wait(), 30)
             spent.append((time.perf_counter() - started) * 1000)
     opened.close()
-    return Measured(spent, frozenset())
+    return Measured(spent)
 
 
 def main() -> None:
@@ -143,7 +151,7 @@ def main() -> None:
     given = parser.parse_args()
     store = given.store or _demo()
     question = given.question
-    click.echo(f"{'':<28} {'median':>7} {'best':>7}  ms, of {given.runs} runs")
+    click.echo(f"{'':<28} {'median':>7} {'best':>7} {'cpu':>7}  ms, of {given.runs} runs")
     click.echo(bare(given.runs).line("python, nothing else"))
     for name, arguments in (
         ("d3a --help", ["--help"]),
