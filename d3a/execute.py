@@ -114,13 +114,7 @@ def _take(run: Run, step: Step) -> None:
         case Measure():
             pass  # `conclude` counts what is left, once it is known to be something
         case Rank():
-            run.ranked = rank(
-                [moment for var in step.vars for moment in run.answering(var)],
-                step.select,
-                spread=step.spread,
-                unjudged=len(run.unjudged),
-                at_ms=milliseconds(step.at),
-            )
+            _rank(run, step)
         case FindLaterNames():
             _find_later_names(run, step)
         case FindLandmarks():
@@ -277,11 +271,25 @@ def _related(run: Run, step: Relate, figure: Found, ground: Found) -> Related:
     return relate(step.kind, figure, ground, inside, run.parameters, once=once)
 
 
+def _rank(run: Run, step: Rank) -> None:
+    run.rank_step = step
+    run.ranked = rank(
+        [moment for var in step.vars for moment in run.answering(var)],
+        step.select,
+        spread=step.spread,
+        unjudged=len(run.unjudged),
+        at_ms=milliseconds(step.at),
+    )
+
+
 def _find_later_names(run: Run, step: FindLaterNames) -> None:
-    newest = rank(run.answering(step.var), "last", spread=False) if run.moments is None else []
-    if newest:
-        entry = newest[0].moment.figure
-        later_names(run.store, entry, run.found[step.var], run.parameters)
+    if not run.ranked or run.rank_step is None:
+        return
+    found, entry = run.found[step.var], run.ranked[0].moment.figure
+    before = len(found.sightings)
+    later_names(run.store, entry, found, run.parameters)
+    if len(found.sightings) > before:
+        _rank(run, run.rank_step)
 
 
 def _cover(run: Run, step: Cover) -> None:

@@ -166,7 +166,10 @@ class Rank:
 
 @dataclass(frozen=True, slots=True)
 class FindLaterNames:
-    """Find what the detector called otherwise right after the last sighting, at its spot."""
+    """Find what the detector called otherwise right after the last sighting, at its spot.
+
+    Where there is any, the moments are ranked again.
+    """
 
     var: str
 
@@ -261,12 +264,12 @@ def plan(
         steps.append(_relate(query, names, negated))
     kept = _keep_steps(query, var)
     steps += kept
-    if _wants_the_last(query):
-        steps.append(FindLaterNames(var))
     steps.append(Measure(query.ask, var, objects[0].quantity))
     alone = names if query.relation is None and not kept else (var,)
     point = query.time.start if query.time is not None and query.time.is_point else None
     steps.append(Rank(alone, query.select, _spreads(query), point))
+    if _wants_the_last(query):
+        steps.append(FindLaterNames(var))
     steps.append(FindLandmarks(var))
     steps.append(Cover(query.place))
     steps.append(ExplainEmpty(alone, query.time, query.place))

@@ -12,9 +12,9 @@ from d3a.match import Lexicon, squash
 from d3a.moments import Entry, Found, Moment, single
 from d3a.parameters import Parameters
 from d3a.places import Landmarks, landmark_categories, landmarks
-from d3a.plan import FindObjects, Relate
+from d3a.plan import FindObjects, Rank, Relate
 from d3a.rank import Ranked
-from d3a.store.base import ObjectRecord, Region, Sighting, Store
+from d3a.store.base import ObjectRecord, Region, Sighting, StayKey, Store
 from grammar.forms import ANYTHING, FormalQuery, ObjectTerm
 
 _WORDS = {
@@ -53,6 +53,8 @@ class Run:
     otherwise: Moment | None = None
     suggestions: tuple[str, ...] = ()
     message: str | None = None
+    rank_step: Rank | None = None
+    _near: dict[StayKey, str | None] = field(default_factory=dict)
 
     def region(self, name: str | None) -> Region | None:
         """Return the room of that name, None where nobody defined it."""
@@ -105,12 +107,13 @@ class Run:
 
     def near(self, entry: Entry) -> str | None:
         """Return the landmark that an entry is told by, as a person spells it."""
-        if self.landmarks is None or entry.stay is None:
+        stay = entry.stay
+        if self.landmarks is None or stay is None:
             return None
-        name = self.landmarks.nearest(
-            entry.stay.position, entry.sighting.object_id, self.parameters.near_m
-        )
-        return self.lexicon.canonical(name) if name is not None else None
+        if stay.key not in self._near:
+            name = self.landmarks.nearest(stay.position, stay.object_id, self.parameters.near_m)
+            self._near[stay.key] = self.lexicon.canonical(name) if name is not None else None
+        return self._near[stay.key]
 
 
 def milliseconds(moment: datetime | None) -> int | None:
