@@ -81,6 +81,16 @@ class MarkedList(OptionList):
                 self.replace_option_prompt_at_index(index, f"{mark} {self._rows_said[index]}")
         self._marked = highlighted
 
+    def action_page_up(self) -> None:
+        """Move up by a page; textual's own fails where a tiny window has left no room."""
+        if self.size.area:
+            super().action_page_up()
+
+    def action_page_down(self) -> None:
+        """Move down by a page."""
+        if self.size.area:
+            super().action_page_down()
+
     def on_key(self, event: Key) -> None:
         """Let 1 to 9 choose a row."""
         if event.character and event.character in "123456789":

@@ -489,6 +489,16 @@ async def test_resizing_changes_the_layout_at_once() -> None:
         await c.until(lambda: "┏" in c.picture())
 
 
+async def test_a_list_without_room_takes_its_keys() -> None:
+    async with chat() as c:
+        await c.ask()
+        await c.pilot.press("down")
+        await c.pilot.resize_terminal(8, 3)
+        await c.pilot.press("pageup", "pagedown", "down", "end", "2")
+        await c.pilot.resize_terminal(80, 24)
+        await c.until(lambda: len(c.rows()) == 3)
+
+
 async def test_an_unknown_word_after_a_slash_names_the_known_ones() -> None:
     async with chat() as c:
         await c.type("/hlep")
