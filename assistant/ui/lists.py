@@ -84,12 +84,12 @@ class MarkedList(OptionList):
     def action_page_up(self) -> None:
         """Move up by a page; textual's own fails where a tiny window has left no room."""
         if self.size.area:
-            super().action_page_up()
+            super().action_page_up()  # type: ignore[no-untyped-call]  # textual has no type there
 
     def action_page_down(self) -> None:
         """Move down by a page."""
         if self.size.area:
-            super().action_page_down()
+            super().action_page_down()  # type: ignore[no-untyped-call]
 
     def on_key(self, event: Key) -> None:
         """Let 1 to 9 choose a row."""
