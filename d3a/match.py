@@ -118,6 +118,8 @@ def candidates(
 
 def is_named(record: ObjectRecord, step: FindObjects) -> bool:
     """Whether a person taught this object the asked word, and as the asked owner's where named."""
+    if not record.names:
+        return False
     words = {squash(step.word), squash(step.category)}
     return any(
         squash(name.word) in words
