@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator
 from contextlib import closing
-from datetime import datetime
+from datetime import UTC, datetime
 from pathlib import Path
 
 import pytest
@@ -31,7 +31,7 @@ def store(sample: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[St
 
 
 def now_of(store: Store) -> datetime:
-    return store_now(store, "last", lambda: datetime.max)
+    return store_now(store, "last", lambda: datetime(2020, 3, 1, tzinfo=UTC))
 
 
 def test_frames_of_the_sample_s_questions(store: Store, sample: Path) -> None:
