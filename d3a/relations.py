@@ -23,6 +23,9 @@ DEFAULT_SIGMA_M = 0.25
 """The deviation of a position whose covariance is unknown."""
 REACH_M = 0.6
 """Half the width of a ground whose extent is unknown, and the slack of its edge."""
+LEVEL_M = 0.1
+"""How far a measured point may lie on the wrong side of another: the middle of a thing's front
+is below its top."""
 SIDE_M = 2.0
 """Left, right, behind and in front are said of things within this distance."""
 
@@ -185,9 +188,15 @@ def _footprint(pairs: Pairs) -> Floats:
     return _within(pairs, half + REACH_M / 2, level=True)
 
 
-def _box_or_place(pairs: Pairs, by_box: Floats, by_place: Floats) -> Floats:
-    """Return what the boxes say, checked by the positions; the positions alone where no frame."""
-    return np.where(pairs.shared, by_box * _known(_footprint(pairs)), by_place)
+def _box_or_place(pairs: Pairs, by_box: Floats, by_place: Floats, sign: float = 0.0) -> Floats:
+    """Return what the boxes say, checked by the positions; the positions alone where no frame.
+
+    sign: +1 where the figure must not be lower than the ground, -1 not higher, 0 for either: a
+    chair behind a table is seen over its edge, but stands below its top.
+    """
+    rise = np.where(np.isnan(_distance(pairs)), np.nan, _rise(pairs))
+    level = _known(normal_cdf((sign * rise + LEVEL_M) / pairs.sigma)) if sign else 1.0
+    return np.where(pairs.shared, by_box * _known(_footprint(pairs)) * level, by_place)
 
 
 def _vertical(pairs: Pairs, sign: float) -> Floats:
@@ -229,20 +238,20 @@ def _on(pairs: Pairs, _: Parameters) -> Floats:
         * (1 - _step(foot, 0.75, 0.06))
         * (1 - _step(head, 0.5, 0.08))
     )
-    return _box_or_place(pairs, by_box, _vertical(pairs, 1.0))
+    return _box_or_place(pairs, by_box, _vertical(pairs, 1.0), 1.0)
 
 
 def _under(pairs: Pairs, _: Parameters) -> Floats:
     head = _height_in(pairs, pairs.box_a[:, 1])
     foot = _height_in(pairs, pairs.box_a[:, 3])
     by_box = _step(_overlap_x(pairs), 0.4, 0.08) * _step(head, 0.3, 0.06) * _step(foot, 0.65, 0.06)
-    return _box_or_place(pairs, by_box, _vertical(pairs, -1.0))
+    return _box_or_place(pairs, by_box, _vertical(pairs, -1.0), -1.0)
 
 
 def _above(pairs: Pairs, _: Parameters) -> Floats:
     foot = _height_in(pairs, pairs.box_a[:, 3])
     by_box = _step(_overlap_x(pairs), 0.4, 0.08) * (1 - _step(foot, 0.1, 0.05))
-    return _box_or_place(pairs, by_box, _vertical(pairs, 1.0))
+    return _box_or_place(pairs, by_box, _vertical(pairs, 1.0), 1.0)
 
 
 def _in(pairs: Pairs, _: Parameters) -> Floats:

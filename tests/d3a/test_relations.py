@@ -97,6 +97,12 @@ def test_a_picture_that_deceives_is_corrected_by_the_place() -> None:
     assert holds("on", pair((6, 0, 1.4), (2, 0, 1), *boxes)) < 0.1
 
 
+def test_a_chair_seen_over_the_table_s_edge_is_not_on_it() -> None:
+    boxes = ((180.0, 170.0, 220.0, 230.0), TABLE)
+    assert holds("on", pair((2.1, 0, 0.4), (2, 0, 0.8), *boxes)) < 0.1
+    assert holds("on", pair((2.1, 0, 0.9), (2, 0, 0.8), *boxes)) > 0.7
+
+
 def test_one_estimate_for_the_whole_frame_says_nothing_of_a_pair() -> None:
     here = (1.5, 2.7, 0.4)
     boxes = ((180.0, 170.0, 220.0, 230.0), TABLE)
