@@ -24,7 +24,9 @@ from grammar.forms import RelationKind
 HOLDS = 0.5
 """A relation is said to hold where it is more likely than not."""
 REACH_M = 4.0
-"""Things further apart than this, beyond their uncertainty, are in no relation that is asked."""
+"""Things between two others may be this far from either."""
+CONTACT_M = 2.0
+"""What lies on, under, in or beside a thing is no further from its middle than this."""
 _PART = 4_000_000  # pairs compared at once: keeps the join's memory under 100 MB
 Spans = dict[StayKey, list[tuple[int, int]]]
 SYMMETRIC: frozenset[RelationKind] = frozenset({"together", "near", "same_place"})
@@ -49,11 +51,13 @@ def links(
     ground: Found,
     encounters: Sequence[Encounter],
     *,
+    reach_m: float = REACH_M,
     timeless: bool = False,
     once: bool = False,
 ) -> list[Link]:
     """Return where the sightings of figure and ground meet, shared frames first.
 
+    reach_m: without a shared frame, things further apart than this do not meet.
     timeless: intervals need not overlap (the same place as). once: each unordered pair once, for
     a symmetric relation of a category with itself. Ordered by start, then by ids and places.
     """
@@ -62,7 +66,7 @@ def links(
     met = {(link.figure.stay, link.ground.stay) for link in shared}
     apart = [
         Link(a, b, max(a.start_ms, b.start_ms), min(a.end_ms, b.end_ms))
-        for a, b in _overlapping(figure, ground, timeless=timeless)
+        for a, b in _overlapping(figure, ground, reach_m, timeless=timeless)
         if (a.stay, b.stay) not in met and a.object_id != b.object_id
     ]
     found = shared + apart
@@ -122,26 +126,29 @@ def _seen(encounter: Encounter, stay: StayKey, box: Box) -> Sighting:
 
 
 def _overlapping(
-    figure: Found, ground: Found, *, timeless: bool
+    figure: Found, ground: Found, reach_m: float, *, timeless: bool
 ) -> list[tuple[Sighting, Sighting]]:
     """Return sightings whose intervals overlap and whose positions are within reach."""
     a, b = figure.sightings, ground.sightings
     if not a or not b:
         return []
-    place_a = positions([figure.stays.get(s.stay) for s in a])
-    place_b = positions([ground.stays.get(s.stay) for s in b])
-    span_b = np.array([(s.start_ms, s.end_ms) for s in b], dtype=np.int64)
-    rows = max(1, _PART // len(b))
+    rows_a = [s for s in a if (stay := figure.stays.get(s.stay)) is not None and stay.position]
+    rows_b = [s for s in b if (stay := ground.stays.get(s.stay)) is not None and stay.position]
+    place_a = positions([figure.stays[s.stay] for s in rows_a])
+    place_b = positions([ground.stays[s.stay] for s in rows_b])
+    span_a = np.array([(s.start_ms, s.end_ms) for s in rows_a], dtype=np.int64).reshape(-1, 2)
+    span_b = np.array([(s.start_ms, s.end_ms) for s in rows_b], dtype=np.int64).reshape(-1, 2)
+    step = max(1, _PART // max(len(rows_b), 1))
     found: list[tuple[Sighting, Sighting]] = []
-    for at in range(0, len(a), rows):
-        part = a[at : at + rows]
-        span = np.array([(s.start_ms, s.end_ms) for s in part], dtype=np.int64)
-        meets = np.linalg.norm(place_a[at : at + rows, None] - place_b[None], axis=2) <= REACH_M
+    for at in range(0, len(rows_a), step):
+        here, span = place_a[at : at + step], span_a[at : at + step]
+        apart = here[:, None, :] - place_b[None, :, :]
+        meets = np.einsum("ijk,ijk->ij", apart, apart) <= reach_m**2
         if not timeless:
-            meets &= (span[:, None, 0] <= span_b[None, :, 1]) & (
-                span[:, None, 1] >= span_b[None, :, 0]
-            )
-        found += [(part[i], b[j]) for i, j in zip(*np.nonzero(meets), strict=True)]
+            meets &= span[:, None, 0] <= span_b[None, :, 1]
+            meets &= span[:, None, 1] >= span_b[None, :, 0]
+        pairs = np.argwhere(meets).tolist()
+        found += [(rows_a[at + i], rows_b[j]) for i, j in pairs]
     return found
 
 
@@ -194,8 +201,30 @@ def relate(
     once: bool = False,
 ) -> Related:
     """Return where figure and ground meet, with how likely the relation held."""
-    met = links(figure, ground, encounters, timeless=kind == "same_place", once=once)
+    met = links(
+        figure,
+        ground,
+        encounters,
+        reach_m=_reach_m(kind, parameters),
+        timeless=kind == "same_place",
+        once=once,
+    )
     return Related(met, relations.probability(kind, pairs_of(met, figure, ground), parameters))
+
+
+def _reach_m(kind: RelationKind, parameters: Parameters) -> float:
+    """Return how far apart two things may be for the relation to be more likely than not."""
+    match kind:
+        case "together":
+            return parameters.together_m
+        case "near":
+            return parameters.near_m
+        case "same_place":
+            return parameters.d_thresh_m
+        case "between":
+            return REACH_M
+        case _:
+            return CONTACT_M
 
 
 def pair_moments(related: Related, figure: Found, ground: Found) -> list[Moment]:

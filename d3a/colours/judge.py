@@ -134,9 +134,11 @@ def _blends(looks: Sequence[Floats]) -> Floats:
 def _evidence(shares: Floats, looks: Floats, around: Floats) -> Floats:
     """Return the log likelihood of each colour (k) for each object (n): (n, k)."""
     used = shares.any(axis=0)  # most bins are empty in every object
-    shares, looks, around = shares[:, used], looks[:, used], around[:, used]
-    mixed = _FILL * looks[None, :, :] + (1 - _FILL) * around[:, None, :] + _FLOOR
-    return np.asarray(_LOOKS * np.einsum("nb,nkb->nk", shares, np.log(mixed)))
+    thing = (_FILL * looks[:, used] + _FLOOR).astype(np.float32)
+    rest = ((1 - _FILL) * around[:, used]).astype(np.float32)
+    mixed = np.log(thing[None, :, :] + rest[:, None, :])  # in single precision: twice as quick
+    per_look = np.einsum("nb,nkb->nk", shares[:, used].astype(np.float32), mixed)
+    return np.asarray(_LOOKS * per_look, dtype=np.float64)
 
 
 def _exposure(total: Floats, count: int) -> float:
