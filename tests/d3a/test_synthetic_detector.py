@@ -117,7 +117,7 @@ def test_position_error_grows_with_range_and_is_not_biased() -> None:
 
     def errors(seen: VisibleObject) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
         found = [s.detection.position for sighted in looks(noise, (seen,), 1500) for s in sighted]
-        return np.array(found) - np.array(seen.position)
+        return np.asarray(np.array(found) - np.array(seen.position))
 
     near_error, far_error = errors(CUP), errors(far)
     assert near_error.std() == pytest.approx(0.01 + noise.range_noise_m * 1.5**2, rel=0.1)
