@@ -123,6 +123,11 @@ class Absence:
     def _glance(self, thing: Known, place: Place) -> Glance:
         return self._glances.setdefault((thing.number, place.number), Glance(thing, place))
 
+    def found(self) -> list[Known]:
+        """Return the things that the current look has found, by number."""
+        found = {g.thing.number: g.thing for g in self._glances.values() if g.found}
+        return [found[number] for number in sorted(found)]
+
     def end_look(self) -> tuple[list[Known], list[Known]]:
         """Judge the look that ended; return the things that left a place, and those missed.
 

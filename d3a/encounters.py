@@ -71,7 +71,7 @@ class Encounters:
     def rename(self, was: StayKey, becomes: StayKey) -> None:
         """Go on under a stay's new name; what was written was renamed by the move itself."""
         renamed: dict[Pair, Encounter] = {}
-        for pair, each in self._open.items():
+        for pair, each in sorted(self._open.items(), key=lambda item: item[0]):
             if was not in pair:
                 renamed[pair] = each
             elif (other := rename(each, was, becomes)) is not None:

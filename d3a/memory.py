@@ -229,6 +229,10 @@ class Memory:
 
     def placeless(self) -> list[Known]:
         """Return things that have no position, by number."""
+        if len(self.positions.owners) >= len(self.things):
+            placed = {thing.number for thing, _ in self.positions.owners}
+            if len(placed) == len(self.things):  # the usual case, without looking at each
+                return []
         return [
             self.things[number]
             for number in sorted(self.things)

@@ -62,10 +62,11 @@ class Parameters:
     looks_remembered: float = 30.0  # a look is the mean of about so many views; light changes
     new_thing_odds: float = 0.0  # log-odds of "new" against "known", all else equal
     confirm_sightings: int = 2  # fewer views ever: tentative
+    merge_odds: float = 2.0  # log-odds (7 to 1) from which two things of one place are one
     # Default profile, tier 3: negative evidence, expiry, moves
     view_margin: float = 0.1  # share of the picture's edge where a missing box proves nothing
     detect_chance: float = 0.6  # of a present thing in one look, before anything is known of it
-    absent_odds: float = 4.0  # log-odds (50 to 1) at which a place counts as seen empty
+    absent_odds: float = 6.0  # log-odds (400 to 1) at which a place counts as seen empty
     seen_through_m: float = 0.3  # depth this far behind a thing's place: it is not there
     expire_chances: int = 5  # looks in which a tentative thing may stay unseen
     move_similarity: float = 0.85  # look of a thing before and after it was moved

@@ -20,6 +20,7 @@ from d3a.likelihood import CategoryModel
 from d3a.matching import FrameOffset, Matcher, Observed
 from d3a.memory import Known, Memory, Place
 from d3a.memory_state import memory_of_state, memory_state
+from d3a.merging import Evidence, likely_same, merge, never_together
 from d3a.model import Json
 from d3a.parameters import Parameters
 from d3a.recall import FIRST_NUMBER, Recall, is_histogram
@@ -154,17 +155,36 @@ class TrackerPipeline:
 
     def end_look(self) -> None:
         """Judge the look that ended: what was missing, what expires, what was moved."""
+        found = self._absence.found()
         left, missed = self._absence.end_look()
+        missed = self._merge(missed, found)
         self._expire(missed)
         if left or self._confirmed_since:
             self._confirmed_since = False
             self._link()
 
+    def _merge(self, missed: list[Known], found: list[Known]) -> list[Known]:
+        """Make one of what a look missed and what it found there; return what is still missed."""
+        evidence = Evidence(self._memory, self._matcher.looks, self._categories, self._parameters)
+        still = []
+        for thing in missed:
+            likely = likely_same(thing, found, evidence)
+            if likely:
+                self.write()
+            same = never_together(thing, likely, self._ledger) if likely else None
+            if same is None:
+                still.append(thing)
+            else:
+                was, becomes = merge(thing, same, self._memory, self._ledger, self._parameters)
+                self._encounters.rename(was, becomes)
+                self._events.append(Became(entry_name(was), entry_name(becomes), "the same thing"))
+        return still
+
     def _expire(self, missed: list[Known]) -> None:
         """Drop tentative things that were not there in several looks that should show them."""
         parameters = self._parameters
         for thing in missed:
-            if thing.seen >= parameters.confirm_sightings or thing.names:
+            if thing.row < 0 or thing.seen >= parameters.confirm_sightings or thing.names:
                 continue
             if all(place.misses >= parameters.expire_chances for place in thing.places):
                 self._encounters.forget(thing.object_id)

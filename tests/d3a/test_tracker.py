@@ -220,6 +220,28 @@ def test_no_move_is_linked_while_the_old_place_is_taken() -> None:
     assert len(filled(frames).objects()) == 2
 
 
+def test_two_things_that_turn_out_to_be_one_are_made_one() -> None:
+    """A first bad position founds a second cup; the looks that find one and miss it join them."""
+
+    def at(y: float) -> Detection:
+        return Detection(
+            "cup", 0.9, (28, 20, 36, 28), (2.0, y, 0.0), (0.01, 0, 0, 0, 0.01, 0, 0, 0, 0.01),
+            embedding=colour(1),
+        )  # fmt: skip
+
+    frames = [looking(0, at(0.5), away_m=2.0), looking(2, at(0.5), away_m=2.0)]
+    frames += [looking(n, at(-0.2), away_m=2.0) for n in range(4, 12)]
+    narrow = DEFAULT.with_changes(space_m3=0.01)
+    apart = filled(frames, narrow.with_changes(merge_odds=99.0))
+    joined = filled(frames, narrow.with_changes(merge_odds=-9.0))
+    assert len(apart.objects()) == 2
+    (record,) = joined.objects()
+    (stay,) = joined.stays()
+    assert record.object_id == "o1"
+    assert stay.seen == sum(sighting.seen for sighting in joined.sightings()) == 6
+    assert joined.check() == []
+
+
 # The parts of the likelihood
 
 

@@ -1,0 +1,137 @@
+"""Default profile: two things in memory that are one.
+
+A bad position or look may found a second thing beside a known one; then detections go now to the
+one, now to the other. They are made one when a look finds one and misses the other, where place,
+look and category all say the same, and no frame ever showed both.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from d3a import likelihood
+from d3a.ledger import Ledger
+from d3a.likelihood import CategoryModel, LookModel
+from d3a.memory import Known, Memory, Place
+from d3a.moves import rename
+from d3a.parameters import Parameters
+from d3a.sightings import Interval, joined
+from d3a.store.base import StayKey
+
+
+@dataclass(frozen=True, slots=True)
+class Evidence:
+    """What tells two things apart."""
+
+    memory: Memory
+    looks: LookModel
+    categories: CategoryModel
+    parameters: Parameters
+
+    def odds(self, thing: Known, other: Known) -> float:
+        """Return the log-odds that both, at one place each, are the same thing; by all but time."""
+        positions = self.memory.positions
+        row, at = thing.places[0].row, other.places[0].row
+        apart = positions.mean[row] - positions.mean[at]
+        spread = positions.spread[row] + positions.spread[at]
+        squared, determinant = likelihood.mahalanobis(apart, spread)
+        odds = float(likelihood.position_ratio(squared, determinant, self.parameters))
+        odds += float(self.categories.ratios([thing.category], [other.votes])[0, 0])
+        a, b = self.memory.looks.of(thing), self.memory.looks.of(other)
+        if a is not None and b is not None:
+            views = min(thing.look_weight, other.look_weight)
+            likeness = np.array([[float(a @ b)]])
+            odds += float(self.looks.ratios(likeness, np.array([views]))[0, 0])
+        return odds
+
+
+def likely_same(missed: Known, found: list[Known], evidence: Evidence) -> list[Known]:
+    """Return which of the found things a missed one may be, the likeliest first.
+
+    Things with names, several places or no position are left alone.
+    """
+    if missed.row < 0 or not _is_simple(missed):
+        return []
+    others = [
+        thing for thing in found if thing.row >= 0 and thing is not missed and _is_simple(thing)
+    ]
+    scored = [(evidence.odds(missed, thing), -thing.number, thing) for thing in others]
+    likely = [each for each in scored if each[0] >= evidence.parameters.merge_odds]
+    return [thing for _, _, thing in sorted(likely, key=lambda each: each[:2], reverse=True)]
+
+
+def never_together(thing: Known, others: list[Known], ledger: Ledger) -> Known | None:
+    """Return the first of `others` that no frame shows beside `thing`; all is written."""
+    met: set[str] = set()
+    for encounter in ledger.encounters(thing.object_id):
+        met |= {encounter.object_a, encounter.object_b}
+    return next((other for other in others if other.object_id not in met), None)
+
+
+def _is_simple(thing: Known) -> bool:
+    return len(thing.places) == 1 and thing.places[0].row >= 0 and not thing.names
+
+
+def merge(
+    one: Known, other: Known, memory: Memory, ledger: Ledger, parameters: Parameters
+) -> tuple[StayKey, StayKey]:
+    """Make two things one, in the memory and in what is written; the older keeps its id.
+
+    Returns the stay that was, and the one that it is part of now.
+    """
+    kept, gone = (one, other) if one.number < other.number else (other, one)
+    place, lost = kept.places[0], gone.places[0]
+    becomes, was = (kept.object_id, place.number), (gone.object_id, lost.number)
+    sightings = ledger.sightings([kept.object_id, gone.object_id])
+    encounters = ledger.encounters(gone.object_id)
+    ledger.remove_object(gone.object_id)
+    for sighting in sightings:
+        if sighting.stay == becomes:
+            ledger.remove_sighting(sighting)
+    intervals = joined((Interval.from_sighting(each) for each in sightings), parameters)
+    for interval in intervals:
+        ledger.put_sighting(interval.sighting(becomes))
+    for encounter in encounters:
+        if (renamed := rename(encounter, was, becomes)) is not None:
+            ledger.put_encounter(renamed)
+    place.open = intervals[-1] if intervals else place.open
+    _join(kept, gone, memory, parameters)
+    return was, becomes
+
+
+def _join(kept: Known, gone: Known, memory: Memory, parameters: Parameters) -> None:
+    place, lost = kept.places[0], gone.places[0]
+    _join_positions(place, lost, memory, parameters)
+    for category, weight in gone.votes.items():
+        kept.votes[category] = kept.votes.get(category, 0.0) + weight
+    look = memory.looks.of(gone)
+    if look is not None:
+        memory.looks.blend(kept, look, gone.look_weight, parameters.looks_remembered)
+    for into, of in ((kept, gone), (place, lost)):
+        into.weight += of.weight
+        into.seen += of.seen
+        into.first_ms = min(into.first_ms, of.first_ms)
+        into.last_ms = max(into.last_ms, of.last_ms)
+    if place.last_absent_ms is not None and place.last_absent_ms < place.last_ms:
+        place.last_absent_ms = None
+    place.hits += lost.hits
+    place.chances = max(place.chances, place.hits)
+    place.misses, place.evidence = 0, 0.0
+    place.seen_from = [*place.seen_from, *lost.seen_from]
+    kept.dirty = True
+    memory.remove(gone)
+
+
+def _join_positions(place: Place, lost: Place, memory: Memory, parameters: Parameters) -> None:
+    """Average both positions by what is known of each."""
+    positions = memory.positions
+    a, b = place.row, lost.row
+    precision = np.linalg.inv(positions.error[a]), np.linalg.inv(positions.error[b])
+    error = np.linalg.inv(precision[0] + precision[1])
+    for means in (positions.mean, positions.raw):
+        means[a] = error @ (precision[0] @ means[a] + precision[1] @ means[b])
+    positions.error[a] = error
+    positions.scale[a] += positions.scale[b]
+    positions.respread([a], parameters)
