@@ -22,6 +22,8 @@ QUESTIONS = (
     "What moved today?",
 )
 """The title's own, a Q2, a Q3, an honest no, and a carer's."""
+TOUR = (*QUESTIONS[:3], "And this morning?", QUESTIONS[3])
+"""What the demo asks by itself: a follow-up needs the question before it."""
 TOUR_ROWS = 3
 
 
@@ -86,7 +88,7 @@ def _is_running(process: int) -> bool:
 
 def tour_lines(session: Session) -> Iterator[str]:
     """Yield the demo's questions with their answers, for a README and for a machine."""
-    for question in QUESTIONS:
+    for question in TOUR:
         yield f"You: {question}"
         yield "\n".join(answer_lines(session.safely(question), session.now(), rows=TOUR_ROWS))
         yield ""

@@ -21,7 +21,8 @@ Ask = Callable[[str], Answer]
 class Session:
     """A store and the functions that answer from it, bound to it.
 
-    ask: a question's answer. explain: its formal query, plan and native queries, as text.
+    ask: a question's answer, after what was said before. alone: the same by itself, None where
+    that is all one. explain: formal query, plan and native queries of an answer, as text.
     now: the moment to ask at, in the home's zone: a function, as a chat lasts. title: of the home.
     """
 
@@ -31,11 +32,15 @@ class Session:
     now: Callable[[], datetime]
     title: str = "home"
     suggestions: tuple[str, ...] = ()
+    alone: Ask | None = None
 
-    def safely(self, text: str) -> Answer:
-        """Ask, and let whatever fails be an answer that names it: a chat goes on after it."""
+    def safely(self, text: str, *, alone: bool = False) -> Answer:
+        """Ask, and let whatever fails be an answer that names it: a chat goes on after it.
+
+        alone: neither after what was said before, nor to be followed up.
+        """
         try:
-            return self.ask(text)
+            return self.alone(text) if alone and self.alone else self.ask(text)
         except StoreError as error:
             words = "I cannot reach my memory just now. Ask again in a moment."
             return Answer(text=text, status="error", answer=words, message=str(error))
@@ -76,7 +81,7 @@ def questions_for(session: Session, count: int = 5) -> tuple[str, ...]:
     kept: list[str] = []
     for choices in _candidates(session.store):
         for question in choices:
-            if question not in kept and session.safely(question).status == "found":
+            if question not in kept and session.safely(question, alone=True).status == "found":
                 kept.append(question)
                 break
     return tuple(kept[:count])

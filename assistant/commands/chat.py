@@ -36,7 +36,7 @@ def session_of(
     settings: Settings, store: Store, *, title: str = "", suggestions: tuple[str, ...] = ()
 ) -> Session:
     """Return a session that asks `store`; its clock runs on unless `now` was fixed."""
-    from assistant.asking import ask, explain
+    from assistant.conversation import Conversation
     from assistant.session import Session
 
     opened_at, began = now_of(settings, store), settings.clock()
@@ -45,11 +45,13 @@ def session_of(
     def now() -> datetime:
         return opened_at if fixed else opened_at + (settings.clock() - began)
 
+    talk = Conversation(store, now)
     sites = sorted({recording.site for recording in store.recordings() if recording.site})
     return Session(
         store=store,
-        ask=lambda text: ask(store, text, now=now()),
-        explain=lambda text: explain(store, text, now=now()).to_text(),
+        ask=talk.ask,
+        alone=talk.alone,
+        explain=talk.explain,
         now=now,
         title=title or ", ".join(sites) or "this home",
         suggestions=suggestions,

@@ -164,7 +164,7 @@ class ChatApp(App[None], inherit_bindings=False):
             world = World(problem=f"{type(error).__name__}: {error}")
         self.post_message(self.Surveyed(world))
         with self._store_lane:  # the first question builds the grammar: 0.1 s to wait for
-            self._session.safely("where is it?")
+            self._session.safely("where is it?", alone=True)
 
     def on_chat_app_surveyed(self, message: Surveyed) -> None:
         """Show whose memory this is and what it can answer."""

@@ -316,6 +316,17 @@ def test_explain_prints_query_plan_and_native_queries(run: Run, filled: str) -> 
     assert record["native"]
 
 
+def test_the_chat_understands_follow_ups_through_a_pipe(run: Run, filled: str) -> None:
+    lines = "where are the keys\nand the bowl?\nwhy\nblah blah\nwhat about yesterday?\n"
+    result = run("chat", "--plain", "--store", filled, "--now", NOW, input=lines)
+    assert result.exit_code == 0
+    assert "1 of 1: keys" in result.stdout
+    assert "You: and the bowl?" in result.stdout
+    assert "1 of 1: bowl" in result.stdout
+    assert "query   bowl(x)" in result.stdout  # why: of the query it became
+    assert "not see" in result.stdout.partition("You: what about yesterday?")[2]
+
+
 def test_a_missing_store_says_which_and_what_would_do(run: Run) -> None:
     result = run("ask", "where are the keys")
     assert result.exit_code == 3

@@ -52,13 +52,15 @@ def test_without_a_terminal_it_asks_five_questions_and_leaves(
 ) -> None:
     assert first.returncode == 0, first.stderr
     blocks = first.stdout.strip().split("\n\nYou: ")
-    assert len(blocks) == len(demo.QUESTIONS) == 5
-    keys, together, handbag, umbrella, _ = blocks
+    assert len(blocks) == len(demo.TOUR) == 5
+    keys, together, handbag, morning, umbrella = blocks
     assert keys.startswith("You: Where are my keys?\n")
     assert "living room" in keys.splitlines()[1]
     assert "1  key" in keys
     assert "cup with the bowl" in together
     assert "yesterday" in handbag
+    assert "today" in morning  # understood after the question about the handbag
+    assert "handbag" in morning
     assert "never saw an umbrella" in umbrella
     assert "Filling the demo home's memory, once" in first.stderr
 

@@ -67,7 +67,7 @@ def test_a_no_names_the_nearest_true_sighting() -> None:
     lines = said("where were my keys yesterday\n")
     assert lines[1:] == [
         "Answer: Not then; on Friday at 17:00.",
-        "Instead: keys, 17:00 Fri, kitchen, by the sofa, a guess, seen once",
+        "Instead: keys, 17:00 Fri, kitchen, by the sofa, fairly sure, seen once",
     ]
 
 
