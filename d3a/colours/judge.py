@@ -191,16 +191,18 @@ def _looks(colours: Floats, exposure: float) -> Floats:
     looks = np.zeros((_BINS, _BINS, _BINS))
     for gloss in _GLOSS:
         light = np.array(_LIGHTS)[:, None, None] * (colours[None, :, :] + gloss) * exposure
-        spread = _spread(encoded(light).reshape(-1, 3))  # (m, 3, 8)
-        plane = np.einsum("mi,mj->mij", spread[:, 0], spread[:, 1]).reshape(len(spread), -1)
+        spread = _spread(encoded(light).reshape(-1, 3).astype(np.float32))  # (m, 3, 8)
+        plane = (spread[:, 0, :, None] * spread[:, 1, None, :]).reshape(len(spread), -1)
         looks += (plane.T @ spread[:, 2]).reshape(_BINS, _BINS, _BINS) / len(spread)
     flat = looks.reshape(-1)
     return np.asarray(flat / flat.sum())
 
 
-def _spread(levels: Floats) -> Floats:
+def _spread(levels: NDArray[np.float32]) -> NDArray[np.float32]:
     """Return how noise spreads levels (m, 3) over the bins of each channel (m, 3, 8)."""
-    inner = np.arange(1, _BINS) * (256 / _BINS)
-    z = (inner[None, None, :] - levels[:, :, None]) / _NOISE
-    below = 1.0 / (1.0 + np.exp(-1.702 * z))  # the logistic, within 0.01 of the normal
-    return np.diff(below, prepend=0.0, append=1.0, axis=2)
+    inner = np.arange(1, _BINS, dtype=np.float32) * np.float32(256 / _BINS)
+    z = (inner[None, None, :] - levels[:, :, None]) * np.float32(1.702 / _NOISE)
+    below = np.zeros((*levels.shape, _BINS + 1), dtype=np.float32)
+    below[..., 1:_BINS] = 1 / (1 + np.exp(-z))  # the logistic, within 0.01 of the normal
+    below[..., _BINS] = 1
+    return below[..., 1:] - below[..., :-1]
