@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from datetime import UTC, date, datetime, time, timedelta
 
 from grammar import timeforms as tf
-from grammar.days import DaySpan, Reference, TimeError, months_on, ordered, span_of
+from grammar.days import DaySpan, Reference, TimeError, edged, months_on, ordered, span_of
 from grammar.forms import TimeSlice
 
 DAY_ENDS_AT = 4
@@ -45,7 +45,7 @@ _PART_OF_DAY: dict[str, tuple[str, int]] = {
     "this evening": ("evening", 0),
 }
 _SECONDS = {"second": 1, "minute": 60, "hour": 3600, "day": 86400, "week": 604800,
-            "fortnight": 1209600}  # fmt: skip
+            "fortnight": 1209600, "weekend": 604800}  # fmt: skip
 Span = tuple[datetime, datetime]
 
 
@@ -111,7 +111,7 @@ def _bound(bound: tf.Bound, around: tf.Pieces, setting: Setting) -> TimeSlice:
     if bound.length is not None:
         return TimeSlice(_before(setting.now, bound.length, setting), setting.now)
     if bound.kind == "between":
-        return _between(*bound.sides, around, setting)
+        return _between(bound.sides[0], bound.sides[1], around, setting)
     moment = _Moment.of(bound.sides[0]).completed(_Moment.of(around))
     start, end = moment.span(setting)
     match bound.kind:
@@ -132,7 +132,9 @@ def _before(moment: datetime, length: tf.Length, setting: Setting, sign: int = -
     """Return `moment` moved by a length; months and years by the calendar."""
     seconds, months = 0.0, 0.0
     for count, unit in length.amounts:
-        if unit in _SECONDS and not (unit in ("day", "week", "fortnight") and count == int(count)):
+        if unit in _SECONDS and not (
+            unit in ("day", "week", "fortnight", "weekend") and count == int(count)
+        ):
             seconds += count * _SECONDS[unit]
         elif unit in _SECONDS:
             days = int(count) * _SECONDS[unit] // 86400
@@ -155,6 +157,7 @@ class _Moment:
     part_day: tf.PartDay | None = None
     clock: tf.Clock | None = None
     ago: tf.Ago | None = None
+    edge: tf.EdgeName | None = None
     now: bool = False
 
     @classmethod
@@ -171,6 +174,8 @@ class _Moment:
                     moment = replace(moment, part_day=piece)
                 case tf.Ago():
                     moment = moment.with_ago(piece)
+                case tf.Edge():
+                    moment = replace(moment, edge=piece.name)
                 case tf.Now():
                     moment = replace(moment, now=True)
                 case tf.Stamp():
@@ -191,6 +196,9 @@ class _Moment:
         if len(amounts) == 1 and amounts[0][0] == int(amounts[0][0]):
             count, unit = int(amounts[0][0]), amounts[0][1]
             per = {"day": 1, "week": 7, "fortnight": 14}.get(unit)
+            if unit == "weekend":
+                weekend = tf.Weekend(last=True, back=count - 1)
+                return replace(self, days=(*self.days, weekend))
             if per is not None:
                 return replace(self, days=(*self.days, tf.Days(count * per)))
         return replace(self, ago=ago)
@@ -258,10 +266,13 @@ class _Moment:
         if part is None:
             if span is None:
                 raise TimeError("it names no time")
+            if self.edge is not None and (span[1] - span[0]).days == 1:
+                minutes = _edge_minutes(0, 24 * 60, self.edge)
+                return setting.at(span[0], minutes[0]), setting.at(span[0], minutes[1])
+            span = edged(span, self.edge)
             return setting.at(span[0], 0), setting.at(span[1], 0)
         first, last = PART_HOURS[part]
-        edge = self.part.edge if self.part else None
-        start_minute, end_minute = _edge_minutes(first * 60, last * 60, edge)
+        start_minute, end_minute = _edge_minutes(first * 60, last * 60, self.edge)
         if span is None:
             day = after.date() if after else setting.logical_today
             if not after and setting.at(day, start_minute) > setting.now:
@@ -296,7 +307,7 @@ class _Moment:
         return next(option for option in options if 7 <= option.hour < 19)
 
 
-def _edge_minutes(start: int, end: int, edge: tf.Edge) -> tuple[int, int]:
+def _edge_minutes(start: int, end: int, edge: tf.EdgeName | None) -> tuple[int, int]:
     middle = (start + end) // 2
     if edge == "early":
         return start, middle
@@ -320,7 +331,7 @@ def _clock_minutes(clock: tf.Clock, part: str | None) -> list[int]:
     if part == "morning":
         return [hour * 60 + clock.minute]
     if part in ("night", "tonight"):
-        late = hour if 0 < hour >= 6 else hour + 12
+        late = hour if hour >= 5 else hour + 12
         return [(late + 12) * 60 + clock.minute]
     if part is not None and not (part in ("lunch", "midday", "day") and hour >= 10):
         return [(hour + 12) * 60 + clock.minute]
@@ -348,12 +359,13 @@ def _between(first: tf.Pieces, second: tf.Pieces, around: tf.Pieces, setting: Se
     if b.clock is not None and not b.dated and b.part is None and part_of_context is not None:
         b = replace(b, part=tf.Part(part_of_context))
     start, start_end = a.span(setting)
+    same_day = a.dated and a.days == b.days and a.part_day == b.part_day
     night = a._part_name() in ("night", "tonight") and b._part_name() in ("night", "tonight")
+    if b.clock is not None and same_day:
+        b = replace(b, days=(), part_day=None)
     if b.clock is not None and not b.dated and night:
         b = replace(b, part=None)
-    _, end = b.span(setting, after=start)
-    if b.dated and a.dated and b.clock and b.days == a.days and end < start:
-        _, end = replace(b, days=(), part_day=None).span(setting, after=start)
+    _, end = b.span(setting, after=None if same_day and b.clock is None else start)
     if end < start:
         raise TimeError("it ends before it starts")
     return TimeSlice(start, max(end, start_end if a.clock is None and end == start else end))

@@ -17,7 +17,7 @@ CLOSED = frozenset(
     between beyond down during except inside near next outside since through throughout till
     toward towards underneath until
     there here then now just still already yet ever again also too even only please
-    one ones many much see saw seen seeing look looked find found leave left put lost last
+    one ones many much more most fewer least than see saw seen seeing look looked find found leave left put lost last
     spotted noticed placed show list tell
     """.split()
 )

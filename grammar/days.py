@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import calendar
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import date, timedelta
 
 from grammar import timeforms as tf
@@ -55,14 +55,7 @@ def span_of(days: tuple[tf.Day, ...], ref: Reference) -> DaySpan:
         return _date(_merged(first, outer), ref)
     if isinstance(first, tf.Holiday | tf.Season) and isinstance(outer, tf.Date | tf.Calendar):
         start, _ = _single(outer, ref)
-        return _single(
-            type(first)(
-                first.month,
-                *((first.day,) if isinstance(first, tf.Holiday) else ()),
-                year=start.year,
-            ),
-            ref,
-        )
+        return _single(replace(first, year=start.year), ref)
     outside = span_of(tuple(rest), ref)
     if isinstance(first, tf.Weekday):
         return _weekday_within(first.number, outside)
@@ -95,7 +88,7 @@ def _single(day: tf.Day, ref: Reference) -> DaySpan:
         case tf.Date():
             return _date(day, ref)
         case tf.Calendar():
-            return _edged(_calendar(day, ref.today), day.edge)
+            return _calendar(day, ref.today)
         case tf.Weekend():
             return _weekend(day, ref)
         case tf.Holiday():
@@ -164,7 +157,7 @@ def _date(said: tf.Date, ref: Reference) -> DaySpan:
     if said.slashed:
         said = ordered(said, ref.month_first)
     if said.day is None:
-        return _edged(_month_or_year(said, ref), said.edge)
+        return _month_or_year(said, ref)
     if said.year is not None and said.month is not None:
         day = _day(said.year, said.month, said.day)
         if day is None:
@@ -249,7 +242,7 @@ def _calendar(said: tf.Calendar, today: date) -> DaySpan:
             return _one(today - timedelta(days=said.back))
 
 
-def _edged(span: DaySpan, edge: tf.Edge) -> DaySpan:
+def edged(span: DaySpan, edge: tf.EdgeName | None) -> DaySpan:
     """Return the first, middle or last third of a span."""
     if edge is None:
         return span
@@ -266,7 +259,7 @@ def _weekend(said: tf.Weekend, ref: Reference) -> DaySpan:
     back = (ref.today.weekday() - 5) % 7
     if said.last and ref.today.weekday() >= 5:
         back += 7
-    saturday = ref.today - timedelta(days=back)
+    saturday = ref.today - timedelta(days=back + 7 * said.back)
     return saturday, saturday + timedelta(days=2)
 
 

@@ -45,6 +45,12 @@ class Attribute:
     kind: str
 
 
+class Pattern(str):
+    """A pattern that a thing has all over: with stripes is `striped`."""
+
+    __slots__ = ()
+
+
 @dataclass(frozen=True)
 class NounReader:
     """Reads the open words at a place as attributes and nouns."""
@@ -64,6 +70,8 @@ class NounReader:
                 continue
             size = self._compound(words, k, end)
             attribute = None if size else self._attribute(words, k, end)
+            if pending is not None and not size and k + 1 == end and self._happens(words[k].text):
+                attribute = (words[k].text, "other", 1)
             if size or attribute is None:
                 pending = k if pending is None else pending
                 k += size or 1
@@ -78,9 +86,15 @@ class NounReader:
             found.append(self._noun(words, pending, end))
         return found
 
+    def _happens(self, text: str) -> bool:
+        """Whether a word at the end is what happened to the noun: `the door opened`."""
+        verbal = text.endswith(("ed", "ing")) and len(text) > 4
+        return verbal and self.lexicon.known_noun(text) is None
+
     def _only_counts(self, words: list[Word], k: int, end: int) -> bool:
-        """Whether an ordinal stands at `k`: `the second cup`, which of them no memory can tell."""
-        counts = words[k].text in ORDINALS and k + 1 < end
+        """Whether a word at `k` says which or how dear: `the second cup`, `my favourite cup`."""
+        text = words[k].text
+        counts = (text in ORDINALS or text in self.lexicon.noise) and k + 1 < end
         return counts and not self._compound(words, k, end)
 
     def _run_end(self, words: list[Word], i: int) -> int:

@@ -91,7 +91,8 @@ class Reading:
                 if asks or not failed_question:
                     failure = error
                 failed_question = failed_question or asks
-                answer = None if asks else answer
+                if asks and words[0].text != speech.SEEK:  # "I need to go" after a question is none
+                    answer = None
         if answer is None:
             raise failure
         return answer

@@ -29,7 +29,7 @@ _NO_VERBS = frozenset(
 
 _NO_PURPOSE = frozenset(
     "something anything place somewhere anywhere want need thing way spot belonging belongs "
-    "belonged next close adjacent attached opposite similar nearest closest".split()
+    "belonged happen happened going able supposed used like next close adjacent attached opposite similar nearest closest".split()
 )
 
 
@@ -146,7 +146,7 @@ def _excused(opening: tuple[str, ...], texts: list[str], it: ObjectTerm | None) 
             after[:1] == ["see"]
             or after[:2] == ["you", "see"]
             or after[:2] == ["be", "seen"]
-            or after[:2] == ["i", "see"]
+            or after[:2] in (["i", "see"], ["i", "find"])
         )
     if opening == ("what", "are", "you"):
         return after[:1] == ["seeing"]

@@ -94,6 +94,8 @@ def _parted(words: list[Word]) -> list[list[Word]]:
 
 
 _ASKED = (
+    ("is", "there"),
+    ("are", "there"),
     ("have", "you"),
     ("did", "you"),
     ("can", "you"),
@@ -279,7 +281,7 @@ def _corrects(words: list[Word], i: int, count: int) -> bool:
     if not following:
         return False
     if said in ("no", "nope") and count == 1:
-        if following in ("longer", "one", "more", "other"):
+        if following in ("longer", "one", "more", "other", "later", "earlier", "sooner", "less"):
             return False
         return (
             before == ","

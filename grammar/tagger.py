@@ -12,7 +12,7 @@ from functools import lru_cache
 from grammar import numbers
 from grammar.closed import is_open
 from grammar.forms import ObjectTerm, Select
-from grammar.nouns import PREDICATES, Attribute, Noun, NounReader
+from grammar.nouns import PREDICATES, Attribute, Noun, NounReader, Pattern
 from grammar.speech import SEEK
 from grammar.vocabulary import Lexicon, files
 from grammar.words import Word
@@ -36,6 +36,8 @@ _PLACE_WORDS = frozenset("in at inside from within into to around of throughout 
 _ON_PLACES = frozenset(("balcony", "terrace", "porch", "upstairs", "downstairs"))
 _BARE_PLACES = frozenset(("upstairs", "downstairs", "outside", "outdoors"))
 _INTENSIFIERS = frozenset(("right", "directly", "immediately", "straight"))
+_SUBJECTS = ("i", "we", "you", "he", "she", "they")
+_AUXILIARY = frozenset("have had has am is are was were been did do will would could can".split())
 _FLOATS: dict[str, Select] = {"last": "last", "first": "first", "usual": "usual"}
 _VERBAL = ("SEE", "LEAVE", "FINDS", "GO", "MOVED", "MISSING")
 _CUTTING = ("_MADE_OF", "_EXCEPT", "SIDE_BY_SIDE", "MISSING", "usual", "HERE")
@@ -222,12 +224,11 @@ class Tagger:
 
     def _clause(self) -> bool:
         """that is red, which was on the table, that has a handle, that i left in the hall."""
-        if self._text(self.i) not in ("that", "which", "who") or self._last() not in (
-            "NOUN",
-            "ONE",
-            "ATTR",
-            "PART",
-        ):
+        if self._last() not in ("NOUN", "ONE", "ATTR", "PART"):
+            return False
+        if self._text(self.i) in _SUBJECTS and self._asked():
+            return self._relative(self.i)
+        if self._text(self.i) not in ("that", "which", "who"):
             return False
         k = self.i + 1
         if self._text(k) in ("is", "are", "was", "were"):
@@ -259,25 +260,18 @@ class Tagger:
             return self._belongs(k + 2)
         return self._relative(k)
 
+    def _asked(self) -> bool:
+        """Whether the question's own verb has been said, so that another one is a relative clause."""
+        return any(t.type in ("BE", "AUX", "_SHOW", "_FIND", "_SEEK") for t in self.out.tags)
+
     def _relative(self, k: int) -> bool:
         """the cup (that) i left on the table: the subject and its verb say nothing more."""
-        if self._text(k) not in ("i", "we", "you", "he", "she", "they"):
+        if self._text(k) not in _SUBJECTS:
             return False
-        while self._text(k) in (
-            "i",
-            "we",
-            "you",
-            "he",
-            "she",
-            "they",
-            "last",
-            "have",
-            "had",
-            "just",
-            "did",
-        ):
+        k += 1
+        while self._text(k) in _AUXILIARY or self._text(k) in ("last", "just", "already", "always"):
             k += 1
-        if self._text(k) not in phrases().verbs:
+        if self._text(k) not in phrases().verbs and not is_open(self._text(k)):
             return False
         self.i = k + 1
         return True
@@ -296,6 +290,8 @@ class Tagger:
     def _place(self) -> bool:
         k = self.i
         preposition = self._text(k)
+        if self._last() == "AUX" and self._place_has():
+            return True
         if preposition in _BARE_PLACES and not self._open_at(k + 1):
             self._emit("AT_PLACE", preposition, 1)
             return True
@@ -316,6 +312,18 @@ class Tagger:
         if not place or (preposition == "on" and place not in _ON_PLACES):
             return False
         self._emit("AT_PLACE", place, end - self.i)
+        return True
+
+    def _place_has(self) -> bool:
+        """does the kitchen have an island, how many windows does the hall have."""
+        k = self.i
+        while self._text(k) in DETERMINERS or self._text(k) in OWNERS:
+            k += 1
+        place, end = self._place_at(k)
+        if not place or self._text(end) not in ("have", "contain"):
+            return False
+        self._emit("AT_PLACE", place, end - self.i)
+        self._emit("HAVE", "have", 1)
         return True
 
     def _place_at(self, k: int) -> tuple[str, int]:
@@ -412,9 +420,8 @@ class Tagger:
             if isinstance(what, Attribute):
                 self._emit("ATTR", what, end - first)
             else:
-                value = self.lexicon.patterns.get(noun) or (noun if is_part else what.said)
-                if value == noun and head in self.lexicon.patterns:
-                    value = self.lexicon.patterns[head]
+                pattern = self.lexicon.patterns.get(noun) or self.lexicon.patterns.get(head)
+                value = Pattern(pattern) if pattern else noun if is_part else what.said
                 self._emit("PART", value, end - first)
         return True
 
@@ -515,6 +522,11 @@ class Tagger:
                 return self._drop(said, size)
             case "last" | "first" | "usual":
                 return self._float(terminal, said, size)
+            case "where_last":
+                if self.out.tags:
+                    return False
+                self.out.select = "last"
+                self._emit("_WHERE", said, size)
             case "where_room":
                 self.room = True
                 self._emit("_WHERE", said, size)
@@ -575,6 +587,8 @@ class Tagger:
         return True
 
     def _drop(self, said: str, size: int) -> bool:
+        if said == "back" and self._open_at(self.i + size):
+            return False
         if said in _INTENSIFIERS and not self._relation_at(self.i + size):
             return False
         led = self._last() in ("DET", "OWNER", "ATTR", "NUMBER")
@@ -654,8 +668,6 @@ class Tagger:
                 or not following
                 or following in ("in", "on", "at")
             ):
-                return False
-            if self._has("_WHERE") or self._has("_SEEK"):
                 return False
             self._emit("HAVE", said, size)
             return True

@@ -7,22 +7,28 @@ from typing import Any, Literal, TypeAlias
 
 from lark import Token, Transformer, v_args
 
-Edge = Literal["early", "mid", "late"] | None
+EdgeName = Literal["early", "mid", "late"]
+
+
+@dataclass(frozen=True, slots=True)
+class Edge:
+    """The beginning, middle or end of the period that is named with it."""
+
+    name: EdgeName
 
 
 @dataclass(frozen=True, slots=True)
 class Clock:
-    """A time of day. meridiem: am or pm as said. exact: a 24-hour time, read as it stands."""
+    """A time of day. meridiem: am or pm as said. exact: a 24-hour time, read as it stands.
+
+    bare: only a number was said, which beside a date may be a day of the month.
+    """
 
     hour: int
     minute: int = 0
     meridiem: str | None = None
     exact: bool = False
-
-    @property
-    def bare(self) -> bool:
-        """Whether only a number was said: it may be a day of the month beside a date."""
-        return self.minute == 0 and self.meridiem is None and not self.exact
+    bare: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,7 +53,6 @@ class Date:
     year: int | None = None
     month: int | None = None
     day: int | None = None
-    edge: Edge = None
     last: bool = False
     slashed: bool = False
 
@@ -58,14 +63,14 @@ class Calendar:
 
     unit: str
     back: int
-    edge: Edge = None
 
 
 @dataclass(frozen=True, slots=True)
 class Weekend:
-    """Saturday and Sunday. last: one that is over, not the one that runs."""
+    """Saturday and Sunday. last: one that is over, not the one that runs. back: weeks before it."""
 
     last: bool = False
+    back: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -121,7 +126,6 @@ class Part:
     """A part of the day: morning, night."""
 
     name: str
-    edge: Edge = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -145,7 +149,7 @@ class Stamp:
 
 
 Day: TypeAlias = Days | Weekday | Date | Calendar | Weekend | Nth | Holiday | Season | Decade
-Piece: TypeAlias = Day | Clock | Ago | Part | PartDay | Now | Stamp
+Piece: TypeAlias = Day | Clock | Ago | Edge | Part | PartDay | Now | Stamp
 Pieces: TypeAlias = tuple[Piece, ...]
 
 
@@ -234,13 +238,21 @@ class TimeForms(Transformer[Token, Any]):
         """bound: _LASTN1 UNIT."""
         return Bound("past", (), Length(((1, str(unit)),)))
 
+    def past_one_half(self, unit: Token) -> Bound:
+        """bound: _LASTN1 UNIT _HALF."""
+        return Bound("past", (), Length(((1.5, str(unit)),)))
+
     def ago(self, length: Length) -> Ago:
         """piece: duration _AGO."""
         return Ago(length)
 
-    def part(self, *words: Token) -> Part:
-        """piece: EDGE? PART."""
-        return Part(str(words[-1]), _edge(words[:-1]))
+    def edge(self, token: Token) -> Edge:
+        """piece: EDGE."""
+        return Edge(token.value)  # type: ignore[arg-type]
+
+    def part(self, token: Token) -> Part:
+        """piece: PART."""
+        return Part(str(token))
 
     def partday(self, name: Token) -> PartDay:
         """piece: PARTDAY."""
@@ -258,7 +270,8 @@ class TimeForms(Transformer[Token, Any]):
     def clock(self, hour: Token, *rest: Token) -> Clock:
         """clock: HOUR MINUTE? _OCLOCK? MERIDIEM?."""
         minute = next((t.value for t in rest if t.type == "MINUTE"), 0)
-        return Clock(hour.value, minute, _meridiem(rest), hour.value > 12 or hour.value == 0)
+        exact = hour.value > 12 or hour.value == 0
+        return Clock(hour.value, minute, _meridiem(rest), exact, bare=not rest)
 
     def digital(self, time: Token, *rest: Token) -> Clock:
         """clock: HHMM MERIDIEM?."""
@@ -307,9 +320,9 @@ class TimeForms(Transformer[Token, Any]):
         return Weekday(token.value, "this")
 
     def month(self, *words: Token) -> Date:
-        """day: EDGE? MONTH YEAR_OF?."""
+        """day: MONTH YEAR_OF?."""
         found = {t.type: t.value for t in words}
-        return Date(found.get("YEAR_OF"), found["MONTH"], None, found.get("EDGE"))
+        return Date(found.get("YEAR_OF"), found["MONTH"])
 
     def last_month(self, month: Token) -> Date:
         """day: _LAST MONTH."""
@@ -345,13 +358,17 @@ class TimeForms(Transformer[Token, Any]):
         """day: _LAST SEASON."""
         return Season(token.value, None, last=True)
 
-    def last_unit(self, *words: Token) -> Calendar:
-        """span: EDGE? _LAST UNIT."""
-        return Calendar(str(words[-1]), 1, _edge(words[:-1]))
+    def last_unit(self, unit: Token) -> Calendar:
+        """span: _LAST UNIT."""
+        return Calendar(str(unit), 1)
 
-    def this_unit(self, *words: Token) -> Calendar:
-        """span: EDGE? _THIS UNIT."""
-        return Calendar(str(words[-1]), 0, _edge(words[:-1]))
+    def this_unit(self, unit: Token) -> Calendar:
+        """span: _THIS UNIT."""
+        return Calendar(str(unit), 0)
+
+    def back(self, unit: Token) -> Calendar | Weekend:
+        """span: BACK."""
+        return Weekend(last=True, back=1) if unit == "weekend" else Calendar(str(unit), 2)
 
     def weekend(self, _weekend: Token) -> Weekend:
         """span: WEEKEND | _THIS WEEKEND."""
@@ -392,10 +409,6 @@ class TimeForms(Transformer[Token, Any]):
 
 def _meridiem(tokens: tuple[Token, ...]) -> str | None:
     return next((str(t) for t in tokens if t.type == "MERIDIEM"), None)
-
-
-def _edge(tokens: tuple[Token, ...]) -> Edge:
-    return tokens[0].value if tokens else None
 
 
 def with_month(date: Date, other: Date) -> Date:

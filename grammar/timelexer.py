@@ -10,7 +10,7 @@ from grammar import timewords as tw
 from grammar.closed import is_open
 
 _MAX_PHRASE = max(len(phrase.split()) for phrase in (*tw.PHRASES, *tw.HOLIDAYS))
-_ISO = re.compile(r"(\d{4})-(\d{1,2})-(\d{1,2})(?:t(\d{1,2}):(\d{2})(?::\d{2})?)?$")
+_ISO = re.compile(r"(\d{4})[-/.](\d{1,2})[-/.](\d{1,2})(?:t(\d{1,2}):(\d{2})(?::\d{2})?)?$")
 _SLASHED = re.compile(r"(\d{1,2})[-/.](\d{1,2})(?:[-/.](\d{4}|\d{2}))?$")
 _NAMED = re.compile(r"(\d{1,2})-([a-z]{3,9})-(\d{2,4})$")
 _CLOCK = re.compile(r"(\d{1,2})[:.](\d{2})(?::\d{2})?$")
@@ -248,14 +248,15 @@ class _Reader:
             return self._make("DAY_AFTER", value, count)
         if self._at(-1) != "the" and not self._is("WEEKDAY", "_AND", "_TO"):
             return None
-        return (
-            None
-            if is_open(following) and not self._time_word(following)
-            else self._make("ORD", value, count)
-        )
+        return None if self._noun(following) else self._make("ORD", value, count)
+
+    def _noun(self, word: str) -> bool:
+        """Whether a word may go on a noun phrase: open, and no word of time."""
+        return is_open(word) and not self._time_word(word)
 
     def _time_word(self, word: str) -> bool:
-        return word in tw.PARTS or word in tw.WEEKDAY_NUMBER or word in ("today", "yesterday")
+        timed = word in tw.PARTS or word in tw.WEEKDAY_NUMBER or word in tw.MONTH_NUMBER
+        return timed or word in ("today", "yesterday", "tonight", "ago", "am", "pm", "sharp")
 
     def _number(self) -> TimeToken | None:
         if self.word == "o" or self.word == "oh":
@@ -266,11 +267,25 @@ class _Reader:
         if number is None:
             return None
         value, count = number
+        if self._at(count) == "-" and self._ranges(count + 1) and value <= 24:
+            return self._make("HOUR", value, count)
         return (
             self._day_number(value, count)
             or self._count(value, count)
             or self._minute(value, count)
             or self._hour(value, count)
+        )
+
+    def _ranges(self, k: int) -> bool:
+        """Whether a clock time with am or pm stands at `k`, after a dash: `9-11 am`."""
+        number = numbers.cardinal(self.words, self.i + k) if self._at(k) else None
+        return number is not None and self._at(k + number[1]) in (
+            "am",
+            "pm",
+            "a.m.",
+            "p.m.",
+            "a",
+            "p",
         )
 
     def _day_number(self, value: int, count: int) -> TimeToken | None:
@@ -315,6 +330,9 @@ class _Reader:
             return None
         if value > 24:
             return None
+        if following == "hundred":
+            whole = count + 1 + (self._at(count + 1) in ("hours", "hour"))
+            return self._make("HHMM", (value, 0, True), whole)
         second = numbers.cardinal(self.words, self.i + count) if following else None
         two = second is not None and second[0] < 60
         compact = following.replace(".", "").replace(" ", "")
@@ -327,7 +345,7 @@ class _Reader:
             return self._make("FIXED", tw.FIXED_CLOCKS[following], count + 1)
         if spoken:
             return self._make("HOUR", value, count)
-        plain = not is_open(following) or self._time_word(following) or following in ("sharp",)
+        plain = not self._noun(following)
         near_day = self._is("WEEKDAY", "DAYS", "PARTDAY", "PART") and (two or plain)
         if (introduced and (plain or two)) or near_day:
             return self._make("HOUR", value, count)
@@ -370,7 +388,9 @@ class _Reader:
         return (
             following in tw.PARTS
             or following in tw.MONTH_NUMBER
-            or following in ("this", "last", "the", "in")
+            or following in ("this", "last", "the", "in", "on", "yesterday", "today")
+            or following in tw.WEEKDAY_NUMBER
+            or self._is("DAYS", "PARTDAY", "WEEKDAY")
         )
 
     def _retyped(self, kind: str, value: object, length: int) -> TimeToken | None:
@@ -410,7 +430,10 @@ class _Reader:
         if word in tw.UNITS and (self._is("COUNT", "_LASTN", "_LAST", "_LASTN1", "_THIS", "NTH")):
             if word == "night" and self._is("_LAST", "_THIS"):
                 return self._make("PART", "night", 1)
-            return self._make("UNIT", tw.UNITS[word], 1)
+            weekend = word in ("weekend", "weekends")
+            if weekend and not self._is("COUNT"):
+                return self._make("WEEKEND", 0, 1)
+            return self._make("UNIT", "weekend" if weekend else tw.UNITS[word], 1)
         if word in tw.FIXED_CLOCKS:
             return self._make("FIXED", tw.FIXED_CLOCKS[word], 1)
         if word in tw.PARTS:
@@ -454,8 +477,7 @@ class _Reader:
                 "by",
             ):
                 return None
-            if is_open(self._at(1)):
-                return None
+            return None if self._noun(self._at(1)) else self._make("PART", part, 1)
         led = self._at(-1) in ("the", "at", "in", "this", "last", "early", "late", "by", "yesterday", "that",
                                "of", "on", "all", "during", "evening", "every")  # fmt: skip
         if led or self._is("WEEKDAY", "DAYS", "DATE", "DAY_AFTER", "MONTH_OF", "MERIDIEM", "HOUR", "MINUTE",
@@ -463,7 +485,7 @@ class _Reader:
             following = self._at(1)
             alone = self._at(-1) == "the" and self._at(-2) not in ("in", "during", "since", "of", "through",
                                                                   "at", "before", "after", "until", "all", "for", "over")  # fmt: skip
-            if alone and is_open(following):
+            if alone and self._noun(following):
                 return None
             return self._make("PART", part, 1)
         return None

@@ -16,7 +16,7 @@ from grammar.timelexer import TimeToken, tokenise
 from grammar.timewords import MONTHS
 
 _TERMINALS = (
-    "CMIN COUNT DATE DAYS DAY_AFTER DAY_BEFORE DECADE EDGE FIXED HHMM HOLIDAY HOUR MERIDIEM MINUTE "
+    "BACK CMIN COUNT DATE DAYS DAY_AFTER DAY_BEFORE DECADE EDGE FIXED HHMM HOLIDAY HOUR MERIDIEM MINUTE "
     "MONTH MONTH_OF NOW NTH ORD PART PARTDAY SEASON STAMP UNIT WEEKDAY WEEKEND YEAR YEAR_OF _AFTER "
     "_AGO _AND _AROUND _BEFORE _BETWEEN _CPAST _CTO _EARLIER_THAN _FROM _HALF _LAST _LASTN "
     "_LASTN1 _LATER_THAN _OCLOCK _SINCE _THIS _TO _UNTIL"
@@ -72,11 +72,12 @@ def _longest(run: list[TimeToken], start: int, words: list[str]) -> tuple[Spoken
         while stop > start and run[stop - 1].type == "LINK":
             stop -= 1
         kept = [t for t in run[start:stop] if t.type != "LINK"]
-        if not kept:
+        if all(t.type == "EDGE" for t in kept):
             return None
         said, reach = _parse(kept)
         if said is not None and not _false_friend(run, start, stop, words):
-            return said, stop
+            closing = stop < len(run) and run[stop].value in ("sharp", "exactly", "precisely")
+            return said, stop + closing
         bad = kept[reach] if said is None and reach < len(kept) else kept[-1]
         stop = min(stop - 1, run.index(bad) if said is None and reach else stop - 1)
         if said is None and reach == 0:

@@ -57,7 +57,7 @@ HOLIDAYS = {
 SEASONS = {"spring": 3, "summer": 6, "autumn": 9, "fall": 9, "winter": 12}
 
 LINKS = frozenset(
-    "at on in of the during throughout , exactly precisely sharp promptly sometime over".split()
+    "at on in of the during within throughout for whole entire , exactly precisely sharp promptly sometime over".split()
 )
 INTRODUCES_HOUR = frozenset(
     "at by before after since until till til between from to and around about than - through "
@@ -144,6 +144,30 @@ PHRASES: dict[str, tuple[str, object]] = {
     "oclock": ("_OCLOCK", 0),
     "o clock": ("_OCLOCK", 0),
     "weekend": ("WEEKEND", 0),
+    **dict.fromkeys(
+        (
+            "some time",
+            "at some point",
+            "at any time",
+            "anytime",
+            "any time",
+            "one day",
+            "at one point",
+            "at some time",
+        ),
+        ("LINK", "some time"),
+    ),
+    **dict.fromkeys(("shortly after", "right after", "just after", "soon after"), ("_AFTER", 0)),
+    **dict.fromkeys(("shortly before", "right before", "just before"), ("_BEFORE", 0)),
+    "during the day": ("PART", "day"),
+    "dinner time": ("PART", "dinner"),
+    "lunch time": ("PART", "lunch"),
+    "tea time": ("PART", "tea"),
+    "breakfast time": ("PART", "breakfast"),
+    "week before last": ("BACK", "week"),
+    "month before last": ("BACK", "month"),
+    "year before last": ("BACK", "year"),
+    "weekend before last": ("BACK", "weekend"),
     "and": ("_AND", 0),
     "from": ("_FROM", 0),
     "to": ("_TO", 0),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from lark import Token, Transformer, v_args
@@ -20,7 +20,7 @@ from grammar.meaning import (
     SideBySide,
     Things,
 )
-from grammar.nouns import Attribute, Noun
+from grammar.nouns import Attribute, Noun, Pattern
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,6 +47,19 @@ class Aux:
     value: str
 
 
+@dataclass(frozen=True, slots=True)
+class Passive:
+    """A verb that the things themselves have: seen, gone; and where."""
+
+    items: tuple[Item, ...] = ()
+
+
+def _happened(words: tuple[Any, ...]) -> None:
+    """Refuse `did the parcel arrive`: with did, things need a verb of being somewhere."""
+    if _aux(words) in ("do", "did") and not any(isinstance(w, Passive) for w in words):
+        raise MeaningError("it asks what a thing does")
+
+
 def _things(words: tuple[Any, ...]) -> Things:
     """Return the one Things among `words`, with the items of a tail added."""
     found = next((w for w in words if isinstance(w, Things)), Things())
@@ -54,7 +67,8 @@ def _things(words: tuple[Any, ...]) -> Things:
 
 
 def _items(words: tuple[Any, ...]) -> tuple[Item, ...]:
-    return tuple(item for word in words if isinstance(word, tuple) for item in word)
+    tails = (w.items if isinstance(w, Passive) else w for w in words)
+    return tuple(item for tail in tails if isinstance(tail, tuple) for item in tail)
 
 
 def _aux(words: tuple[Any, ...]) -> str:
@@ -142,7 +156,13 @@ class Meanings(Transformer[Token, Any]):
 
     def where_is(self, *words: Any) -> Meaning:
         """where: _WHERE aux things passive?."""
+        _happened(words)
         return Meaning("where", _things(words), newest=_aux(words) != "past")
+
+    def where_within(self, place: Token, *words: Any) -> Meaning:
+        """where: _WHERE AT_PLACE aux things passive?."""
+        meaning: Meaning = self.where_is(*words)
+        return replace(meaning, things=meaning.things.with_items((AtPlace(str(place.value)),)))
 
     def when_act(self, *words: Any) -> Meaning:
         """when: _WHEN aux WHO act things."""
@@ -150,6 +170,7 @@ class Meanings(Transformer[Token, Any]):
 
     def when_is(self, *words: Any) -> Meaning:
         """when: _WHEN aux things passive?."""
+        _happened(words)
         return Meaning("when", _things(words))
 
     def moved_when(self, *words: Any) -> Meaning:
@@ -164,6 +185,14 @@ class Meanings(Transformer[Token, Any]):
         if act == "FINDS" and _aux(words) == "can":
             return Meaning("where", _things(words), newest=True)
         return Meaning("whether", _things(words))
+
+    def whether_in(self, _aux: Aux, place: Token, _have: Token, things: Things) -> Meaning:
+        """whether: aux AT_PLACE HAVE things."""
+        return Meaning("whether", things.with_items((AtPlace(str(place.value)),)))
+
+    def count_in(self, things: Things, _aux: Aux, place: Token, _have: Token) -> Meaning:
+        """count: _HOWMANY things aux AT_PLACE HAVE."""
+        return Meaning("count", things.with_items((AtPlace(str(place.value)),)))
 
     def whether_there(self, *words: Any) -> Meaning:
         """whether: aux THERE things."""
@@ -257,6 +286,7 @@ class Meanings(Transformer[Token, Any]):
 
     def how_often(self, *words: Any) -> Meaning:
         """often: _HOWOFTEN aux things passive?."""
+        _happened(words)
         return Meaning("how_often", _things(words))
 
     def how_often_act(self, *words: Any) -> Meaning:
@@ -307,9 +337,9 @@ class Meanings(Transformer[Token, Any]):
         """act: SEE | LEAVE | FINDS."""
         return Act(token.type)
 
-    def passive(self, *words: Any) -> tuple[Item, ...]:
+    def passive(self, *words: Any) -> Passive:
         """passive: act tail? | GO tail?."""
-        return _items(words)
+        return Passive(_items(words))
 
     # -- things -----------------------------------------------------------------------------------
 
@@ -401,11 +431,11 @@ class Meanings(Transformer[Token, Any]):
 
     def with_part(self, *tokens: Token) -> Change:
         """post: _WITH_PART DET? ATTR* PART."""
-        return Change(attributes=tuple(_said(t) for t in tokens if t.type != "DET"))
+        return Change(attributes=_part(tokens))
 
     def without_part(self, *tokens: Token) -> Change:
         """post: _WITHOUT_PART DET? ATTR* PART."""
-        return Change(without=tuple(_said(t) for t in tokens if t.type != "DET"))
+        return Change(without=_part(tokens))
 
     def except_attribute(self, *tokens: Token) -> Change:
         """post: _EXCEPT DET? OWNER? ATTR+ ONE?."""
@@ -419,6 +449,12 @@ class Meanings(Transformer[Token, Any]):
     def owned(self, token: Token) -> Change:
         """post: OWNED."""
         return Change(owner=str(token.value))
+
+
+def _part(tokens: tuple[Token, ...]) -> tuple[str, ...]:
+    """Return `red`, `striped` for red stripes, but `white shade` for a part that has its own look."""
+    words = tuple(_said(t) for t in tokens if t.type != "DET")
+    return words if isinstance(tokens[-1].value, Pattern) else (" ".join(words),)
 
 
 def _or_items(words: tuple[Any, ...]) -> tuple[Item, ...]:

@@ -11,12 +11,14 @@ MAX_WORDS = 60
 """A question of more words is refused: what the parser does is bounded by this."""
 
 _WORD = re.compile(
-    r"\d{4}-\d{1,2}-\d{1,2}(?:[tT]\d{1,2}:\d{2}(?::\d{2})?)?"  # ISO date, with or without a time
+    r"\d{4}[-/]\d{1,2}[-/]\d{1,2}(?:[tT]\d{1,2}:\d{2}(?::\d{2})?)?"  # ISO date, with or without a time
     r"|\d{1,2}[-/.]\d{1,2}[-/.](?:\d{4}|\d{2})(?![\d:])"  # 10/16/2016
     r"|\d{1,2}-[a-zA-Z]{3,9}-\d{2,4}"  # 05-aug-2016
     r"|\d{1,2}/\d{1,2}(?![\d/])"  # 5/15
     r"|\d{1,2}[:.]\d{2}(?::\d{2})?(?!\d)"  # 12:30
+    r"|[a-zA-Z]{3,9}-\d{1,2}(?!\d)"  # oct-28
     r"|\d+(?:st|nd|rd|th)\b"
+    r"|\d{3}0s\b"
     r"|\d+(?:\.\d+)?"
     r"|[ap]\.\s?m\b\.?"  # a.m.
     r"|[^\W\d_]+(?:['\u2019\-][^\W\d_]+)*['\u2019]?"
@@ -93,11 +95,36 @@ def split(text: str) -> list[Word]:
     return found
 
 
+_DATED = re.compile(
+    r"(?:mon|tue|wed|thu|fri|sat|sun|jan|feb|mar|apr|may|jun|jul|aug|sep|oct|nov|dec)"
+)
+
+
+def _dashed(word: Word) -> list[Word]:
+    """Take `oct-28` and `monday-friday` apart; other words keep their hyphens."""
+    left, _, right = word.text.partition("-")
+    if not _DATED.match(left) or not (right.isdecimal() or _DATED.match(right)):
+        return []
+    middle = word.start + len(left)
+    first, second = (
+        replace(word, text=left, end=middle),
+        replace(word, text=right, start=middle + 1),
+    )
+    if right.isdecimal():
+        return [first, second]
+    return [first, Word("-", middle, middle + 1), second]
+
+
 def _apart(word: Word) -> list[Word]:
     """Take a contraction apart: `where's` is `where is`, `isn't` is `is not`."""
     text = word.text
     if text in _WITHOUT_APOSTROPHE:
         return [replace(word, text=part) for part in _WITHOUT_APOSTROPHE[text]]
+    if "-and-" in text:
+        left, _, right = text.partition("-and-")
+        return [replace(word, text=part) for part in (left, "and", right)]
+    if "-" in text and (parted := _dashed(word)):
+        return parted
     if "'" not in text:
         return [word]
     if text == "can't":

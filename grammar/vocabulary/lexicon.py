@@ -41,6 +41,7 @@ class Lexicon:
     shades: frozenset[str]
     patterns: dict[str, str]
     parts: frozenset[str]
+    noise: frozenset[str]
     places: dict[str, str]
     relations: dict[str, RelationKind]
     names: frozenset[str]
@@ -109,8 +110,9 @@ def _plural_exceptions() -> dict[str, str]:
     return found
 
 
-def _attribute_files() -> tuple[dict[str, str], frozenset[str], dict[str, str], frozenset[str]]:
-    parts = files.sections("attributes.txt")
+def _attribute_files(
+    parts: dict[str, list[str]],
+) -> tuple[dict[str, str], frozenset[str], dict[str, str], frozenset[str]]:
     kinds = {
         word: kind
         for kind in ("other", "size", "shape", "pattern", "material", "colour")
@@ -165,7 +167,8 @@ def lexicon(words: StoreWords = StoreWords()) -> Lexicon:  # noqa: B008  # froze
     for name in [*words.categories, *(word for word, _ in words.names)]:
         one = inflection.singular(name.lower(), plurals)
         nouns.setdefault(one, nouns.get(glued.get(one, one), one))
-    kinds, shades, patterns, parts = _attribute_files()
+    described = files.sections("attributes.txt")
+    kinds, shades, patterns, parts = _attribute_files(described)
     names = {name for line in files.lines("names.txt") for name in line.split()}
     names |= {owner.lower() for _, owner in words.names if owner and owner not in ("me", "you")}
     return Lexicon(
@@ -176,6 +179,7 @@ def lexicon(words: StoreWords = StoreWords()) -> Lexicon:  # noqa: B008  # froze
         shades=shades,
         patterns=patterns,
         parts=parts,
+        noise=frozenset(word for line in described["noise"] for word in line.split()),
         places=_places(words.places),
         relations=_relations(),
         names=frozenset(names),
