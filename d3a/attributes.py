@@ -13,15 +13,21 @@ from typing import cast
 import numpy as np
 from numpy.typing import NDArray
 
-from d3a.colours import BASIC, HISTOGRAM_SIZE, Palette, is_colour, judge, words_of
+from d3a.colours import (
+    BASIC,
+    HISTOGRAM_SIZE,
+    LEAST_ODDS,
+    Palette,
+    is_colour,
+    judge,
+    words_of,
+)
 from d3a.match import Candidate, Lexicon
 from d3a.plan import JudgeAttributes
 from d3a.relations import normal_cdf
 
 UNKNOWN = 0.5
 """The chance of an attribute for an object without a picture, where others have one."""
-LEAST_ODDS = 0.5
-"""An attribute is refused where its opposite is more than twice as likely."""
 SIZE_SPREAD = 0.25
 """Deviation of the logarithm of a measured size: depth and boxes are rough."""
 LEAST_SIZED = 3

@@ -1,11 +1,12 @@
 """Colour words scored against colour histograms at query time (DESIGN, decision 5)."""
 
-from d3a.colours.judge import HISTOGRAM_SIZE, Palette, Verdict, judge
+from d3a.colours.judge import HISTOGRAM_SIZE, LEAST_ODDS, Palette, Verdict, judge
 from d3a.colours.names import BASIC, colours_of, is_colour, words_of
 
 __all__ = [
     "BASIC",
     "HISTOGRAM_SIZE",
+    "LEAST_ODDS",
     "Palette",
     "Verdict",
     "colours_of",

@@ -37,7 +37,7 @@ _BRIGHT = 0.95
 _PRIOR_OBJECTS = 8.0
 """With fewer objects than this the surroundings are known less than assumed."""
 LEAST_ODDS = 0.5
-"""A colour word fits where no other is more than twice as likely; people differ on such ones."""
+"""A word is refused where its opposite is more than twice as likely; people differ on the rest."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,10 +94,8 @@ def judge(colours: Sequence[str], embeddings: NDArray[np.float32], palette: Pale
     weight = np.exp(evidence - evidence.max(axis=1, keepdims=True))
     others = weight[:, : len(rivals)]
     asked = weight[:, len(rivals) :].mean(axis=1)  # shares of the parts are not known
-    return Verdict(
-        probability=asked / (asked + others.sum(axis=1)),
-        tenable=asked >= LEAST_ODDS * others.max(axis=1),
-    )
+    rest = others.sum(axis=1)
+    return Verdict(probability=asked / (asked + rest), tenable=asked >= LEAST_ODDS * rest)
 
 
 def _rivals(colours: Sequence[str], exposure: float) -> Floats:
