@@ -19,6 +19,7 @@ from click.testing import CliRunner, Result
 from PIL import Image, ImageDraw
 
 from assistant.cli import COMMANDS, main
+from assistant.commands.config import SAMPLE
 from assistant.config import Settings
 from d3a.answer import Answer
 from d3a.store import open_store
@@ -504,3 +505,47 @@ def test_a_command_loads_only_what_it_needs(
     assert process.returncode == 0, process.stderr[-2000:]
     loaded = set(process.stderr.rpartition("LOADED ")[2].split())
     assert not heavy & loaded
+
+
+def test_config_shows_where_settings_come_from(run: Run, tmp_path: Path) -> None:
+    made = run("config", "init")
+    assert made.exit_code == 0
+    path = Path(made.stdout.strip())
+    assert path.is_relative_to(tmp_path)
+    assert path.read_text().count("\n") > 4
+    again = run("config", "init")
+    assert again.exit_code == 2
+    assert "left alone" in again.stderr
+    path.write_text('store = "mongodb://robot:s3cret@robot.local/home"\n')
+    shown = run("config", "show", "--zone", "Asia/Tokyo").stdout
+    assert "zone      Asia/Tokyo" in shown
+    assert "robot:***@robot.local" in shown
+    assert str(path) in shown
+    [record] = records(run("config", "show", "--json"))
+    assert record["pictures"] == "cells"
+    paths = run("config", "path").stdout.splitlines()
+    assert paths[0] == str(path)
+    assert paths[1].endswith("d3a.toml (does not exist)")
+
+
+def test_each_setting_of_the_sample_file_is_a_setting(run: Run, tmp_path: Path) -> None:
+    lines = SAMPLE.splitlines()
+    settings = [line.removeprefix("# ") for line in lines if " = " in line]
+    (tmp_path / "d3a.toml").write_text("\n".join(settings))
+    result = run("config", "show", "--json")
+    assert result.exit_code == 0, result.output
+    [record] = records(result)
+    assert record["zone"] == "Europe/Berlin"
+    (tmp_path / "d3a.toml").write_text('pictures = "sixel"\n')
+    assert "cells, ascii, off" in run("config", "show").stderr
+
+
+def test_doctor_tells_what_is_wrong(run: Run, filled: str, tmp_path: Path) -> None:
+    result = run("doctor", "--store", filled)
+    assert result.exit_code == 0
+    for part in ("line by line: this is not a terminal", "objects      2", "America/New_York"):
+        assert part in result.stdout
+    (tmp_path / "text.db").write_text("Dear diary. " * 100)
+    broken = run("doctor", "--json", "--store", "text.db")
+    assert broken.exit_code == 3
+    assert "text.db" in records(broken)[0]["store"]["problem"]
