@@ -29,7 +29,7 @@ from d3a.plan import (
     Relate,
     plan,
 )
-from grammar import FormalQuery, QuestionError, parse
+from grammar import FormalQuery, QuestionError, parse_report
 
 FORCED: dict[Level, Precision | None] = {
     "perfect": "perfect",
@@ -61,12 +61,15 @@ class Asker:
         """
         before = perf_counter()
         try:
-            query = parse(text, now=self._now, words=self._words)
+            parsed = parse_report(text, now=self._now, words=self._words)
         except QuestionError:
             if level != "perfect":
                 raise
             return Answer(text=text, status="unknown_object"), _ms_since(before)
         parse_ms = _ms_since(before)
+        if level == "perfect" and parsed.corrections:  # read as the name of another object
+            return Answer(text=text, status="unknown_object"), parse_ms
+        query = parsed.query
         if self._run.method.is_papers:
             return self._the_papers_way(query, level), parse_ms
         return self._run.method.arrange(self._execute(query, level)), parse_ms

@@ -10,6 +10,7 @@ from collections import defaultdict
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from datetime import datetime, timedelta
+from itertools import islice
 from typing import Literal
 from zoneinfo import ZoneInfo
 
@@ -23,6 +24,8 @@ LEVELS: tuple[Level, ...] = ("perfect", "category", "attribute", "any")
 FORMS: tuple[Form, ...] = ("Q1", "Q2", "Q3")
 POSITIVES = 45
 NEGATIVES = 5
+ATTEMPTS = 100
+"""Draws per wanted negative: in a small home nearly everything is seen with everything."""
 SLICE = timedelta(minutes=45)
 
 
@@ -73,11 +76,10 @@ def draw(
         (maker.no_such_pair, negatives),
         (maker.not_then, negatives),
     )
-    questions = []
+    questions: list[Question] = []
     for make, wanted in kinds:
-        made = (make() for _ in range(20 * wanted))
-        found = [question for question in made if question is not None]
-        questions += found[:wanted]
+        made = (make() for _ in range(ATTEMPTS * wanted))
+        questions += islice((one for one in made if one is not None), wanted)
     return questions
 
 
