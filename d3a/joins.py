@@ -6,8 +6,10 @@ Two things meet in a shared frame (an encounter), or where their intervals overl
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,18 +34,48 @@ Spans = dict[StayKey, list[tuple[int, int]]]
 SYMMETRIC: frozenset[RelationKind] = frozenset({"together", "near", "same_place"})
 
 
-@dataclass(frozen=True, slots=True)
-class Link:
-    """A figure's and a ground's sighting that meet in time.
+class Link(NamedTuple):
+    """Where a figure's and a ground's stay meet in time.
 
-    encounter: the shared frame, None where only the intervals overlap.
+    encounter: the shared frame, flipped where the figure is its second object; None where only
+    the intervals overlap, then `sightings` are the two. A tuple: there are thousands of them.
     """
 
-    figure: Sighting
-    ground: Sighting
+    figure: StayKey
+    ground: StayKey
     start_ms: int
     end_ms: int
     encounter: Encounter | None = None
+    flipped: bool = False
+    sightings: tuple[Sighting, Sighting] | None = None
+
+    def seen(self) -> tuple[Sighting, Sighting]:
+        """Return figure and ground as sightings, those of the shared frame where there is one."""
+        if self.sightings is not None:
+            return self.sightings
+        assert self.encounter is not None
+        boxes = self.boxes()
+        return _seen(self.encounter, self.figure, boxes[0]), _seen(
+            self.encounter, self.ground, boxes[1]
+        )
+
+    def boxes(self) -> tuple[Box, Box]:
+        """Return the boxes of figure and ground in the shared frame, NaN without one."""
+        e = self.encounter
+        if e is None:
+            return _NO_BOX, _NO_BOX
+        return (e.box_b, e.box_a) if self.flipped else (e.box_a, e.box_b)
+
+    def viewer(self) -> tuple[float, ...]:
+        """Return the camera's pose that the sides are told from, NaN where unknown."""
+        if self.encounter is not None:
+            return self.encounter.viewer or _NO_POSE
+        assert self.sightings is not None
+        return self.sightings[0].viewer or self.sightings[1].viewer or _NO_POSE
+
+
+_NO_BOX: Box = (math.nan, math.nan, math.nan, math.nan)
+_NO_POSE = (math.nan,) * 7
 
 
 def links(
@@ -63,20 +95,26 @@ def links(
     """
     shown = _spans(figure), _spans(ground)
     shared = [link for e in encounters for link in _oriented(e, *shown)]
-    met = {(link.figure.stay, link.ground.stay) for link in shared}
+    met = {(link.figure, link.ground) for link in shared}
     apart = [
-        Link(a, b, max(a.start_ms, b.start_ms), min(a.end_ms, b.end_ms))
+        Link(
+            a.stay,
+            b.stay,
+            max(a.start_ms, b.start_ms),
+            min(a.end_ms, b.end_ms),
+            sightings=(a, b),
+        )
         for a, b in _overlapping(figure, ground, reach_m, timeless=timeless)
         if (a.stay, b.stay) not in met and a.object_id != b.object_id
     ]
     found = shared + apart
     if once:
         found = [link for link in found if not _is_mirrored(link, figure, ground)]
-    return sorted(found, key=lambda k: (k.start_ms, k.figure.stay, k.ground.stay))
+    return sorted(found, key=lambda k: (k.start_ms, k.figure, k.ground))
 
 
 def _is_mirrored(link: Link, figure: Found, ground: Found) -> bool:
-    a, b = link.figure.object_id, link.ground.object_id
+    a, b = link.figure[0], link.ground[0]
     return a > b and b in figure.candidates and a in ground.candidates
 
 
@@ -97,9 +135,9 @@ def _oriented(encounter: Encounter, figures: Spans, grounds: Spans) -> list[Link
     start, end = e.start_ms, e.end_ms
     out: list[Link] = []
     if _shown(figures, first, start, end) and _shown(grounds, second, start, end):
-        out.append(Link(_seen(e, first, e.box_a), _seen(e, second, e.box_b), start, end, e))
+        out.append(Link(first, second, start, end, e))
     if _shown(figures, second, start, end) and _shown(grounds, first, start, end):
-        out.append(Link(_seen(e, second, e.box_b), _seen(e, first, e.box_a), start, end, e))
+        out.append(Link(second, first, start, end, e, flipped=True))
     return out
 
 
@@ -154,22 +192,18 @@ def _overlapping(
 
 def pairs_of(found: Sequence[Link], figure: Found, ground: Found) -> Pairs:
     """Return the geometry of links as arrays, a row a link."""
-    stays_a = [figure.stays.get(link.figure.stay) for link in found]
-    stays_b = [ground.stays.get(link.ground.stay) for link in found]
-    unknown_box, unknown_pose = (np.nan,) * 4, (np.nan,) * 7
-    sigma = [np.hypot(sigma_of(a), sigma_of(b)) for a, b in zip(stays_a, stays_b, strict=True)]
-    extents = [ground.candidates[link.ground.object_id].record.extent_m for link in found]
-    viewers = [
-        link.encounter.viewer if link.encounter else link.figure.viewer or link.ground.viewer
-        for link in found
-    ]
+    stays_a = [figure.stays.get(link.figure) for link in found]
+    stays_b = [ground.stays.get(link.ground) for link in found]
+    boxes = [link.boxes() for link in found]
+    sigma = [math.hypot(sigma_of(a), sigma_of(b)) for a, b in zip(stays_a, stays_b, strict=True)]
+    extents = [ground.candidates[link.ground[0]].record.extent_m for link in found]
     return Pairs(
         position_a=positions(stays_a),
         position_b=positions(stays_b),
         sigma=np.array(sigma, dtype=np.float64),
-        box_a=_array([k.figure.box if k.encounter else unknown_box for k in found], 4),
-        box_b=_array([k.ground.box if k.encounter else unknown_box for k in found], 4),
-        viewer=_array([v if v else unknown_pose for v in viewers], 7),
+        box_a=_array([own for own, _ in boxes], 4),
+        box_b=_array([other for _, other in boxes], 4),
+        viewer=_array([link.viewer() for link in found], 7),
         width_b=np.array([e[0] if e else np.nan for e in extents], dtype=np.float64),
     )
 
@@ -232,7 +266,8 @@ def pair_moments(related: Related, figure: Found, ground: Found) -> list[Moment]
     out: list[Moment] = []
     for link, p in zip(related.links, related.probability, strict=True):
         if p >= HOLDS:  # False for NaN
-            entries = (entry_of(figure, link.figure), entry_of(ground, link.ground))
+            a, b = link.seen()
+            entries = (entry_of(figure, a), entry_of(ground, b))
             out.append(Moment(entries, *_ordered(link), relation=float(p)))
     return out
 
@@ -268,14 +303,14 @@ def between_moments(
     first, second = found[0].links, found[-1].links
     by_stay: dict[StayKey, list[Link]] = {}
     for link in second:
-        by_stay.setdefault(link.figure.stay, []).append(link)
+        by_stay.setdefault(link.figure, []).append(link)
     both = [
         (one, two)
         for one in first
-        for two in by_stay.get(one.figure.stay, [])
+        for two in by_stay.get(one.figure, [])
         if max(one.start_ms, two.start_ms) <= min(one.end_ms, two.end_ms)
-        and one.ground.object_id != two.ground.object_id
-        and (grounds[0] is not grounds[-1] or one.ground.object_id < two.ground.object_id)
+        and one.ground[0] != two.ground[0]
+        and (grounds[0] is not grounds[-1] or one.ground[0] < two.ground[0])
     ]
     left = pairs_of([one for one, _ in both], figure, grounds[0])
     right = pairs_of([two for _, two in both], figure, grounds[-1])
@@ -284,9 +319,9 @@ def between_moments(
     for (one, two), p in zip(both, held, strict=True):
         if p >= HOLDS:
             entries = (
-                entry_of(figure, one.figure),
-                entry_of(grounds[0], one.ground),
-                entry_of(grounds[-1], two.ground),
+                entry_of(figure, one.seen()[0]),
+                entry_of(grounds[0], one.seen()[1]),
+                entry_of(grounds[-1], two.seen()[1]),
             )
             start, end = max(one.start_ms, two.start_ms), min(one.end_ms, two.end_ms)
             out.append(Moment(entries, start, end, relation=float(p)))
@@ -304,11 +339,11 @@ def without_relation(
     for related, ground in zip(found, grounds, strict=True):
         for link, p in zip(related.links, related.probability, strict=True):
             if p > 0:
-                candidate = ground.candidates[link.ground.object_id]
+                candidate = ground.candidates[link.ground[0]]
                 weight = float(p) * candidate.match
                 for probability in candidate.attributes.values():
                     weight *= probability
-                spans = free.setdefault(link.figure.stay, [])
+                spans = free.setdefault(link.figure, [])
                 spans.append((link.start_ms, link.end_ms, weight))
     out: list[Moment] = []
     for sighting in figure.sightings:
@@ -327,7 +362,7 @@ def holders(related: Related) -> dict[StayKey, float]:
     best: dict[StayKey, float] = {}
     for link, p in zip(related.links, related.probability, strict=True):
         if p >= HOLDS:
-            best[link.figure.stay] = max(best.get(link.figure.stay, 0.0), float(p))
+            best[link.figure] = max(best.get(link.figure, 0.0), float(p))
     return best
 
 
