@@ -116,7 +116,7 @@ class NounReader:
         """Return the length of the longest listed compound at `i`, 0 for none."""
         for size in range(min(_MAX_COMPOUND, end - i), 1, -1):
             said = " ".join(w.text for w in words[i : i + size])
-            if self.lexicon.known_noun(said):
+            if self.lexicon.known_noun(said) or said.replace(" ", "") in self.lexicon.single:
                 return size
         return 0
 

@@ -258,6 +258,9 @@ def refuse_late(text: str, found: FormalQuery, rest: list[Word], lexicon: Lexico
         ):
             word = next((w for w in rest if w.text.startswith(head[:4])), rest[-1])
             raise _out(text, word, f"“{term.word}” is no thing that a camera sees", rest, lexicon)
+    for term in found.objects[1:]:
+        if term.word in lists["medium"]:
+            raise _out(text, rest[-1], f"“{term.word}” is no place for things", rest, lexicon)
     first = found.objects[0] if found.objects else None
     if first is not None and (first.category in lexicon.names or first.category in tagger.KIN):
         raise _out(text, rest[-1], "It remembers things, not the doings of people", rest, lexicon)

@@ -6,7 +6,7 @@ What is left are the words of the question proper, still with their offsets in t
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 from grammar import numbers
@@ -83,9 +83,10 @@ def sentences(words: list[Word]) -> list[list[Word]]:
 def _parted(words: list[Word]) -> list[list[Word]]:
     """Part a reason said first from its question: `i lost my wallet can you help me find it`."""
     texts = [w.text for w in words]
-    if texts[0] not in ("i", "we", "my", "there", "it"):
+    dislocated = texts[-1] in ("it", "they", "them") and texts[0] not in _QUESTION_STARTS
+    if texts[0] not in ("i", "we", "my", "there", "it") and not dislocated:
         return [words]
-    for i in range(2, len(texts) - 2):
+    for i in range(1 if dislocated else 2, len(texts) - 2):
         starts = tuple(texts[i : i + 2])
         asked = starts[0] == "where" and starts[1] in (*_AUXILIARIES, "might")
         if (asked or starts in _ASKED) and texts[i - 1] not in _TELLING:
@@ -110,11 +111,19 @@ _TELLING = frozenset(
 
 def plain(words: list[Word], lexicon: Lexicon) -> list[Word]:
     """Return the words of one sentence without what changes nothing."""
-    words = _without_fillers(words)
+    words = _heard(_without_fillers(words))
     words = _corrected(words, lexicon)
     words = _without_stutter(words)
     words = _opened(words)
     return _closed(words)
+
+
+def _heard(words: list[Word]) -> list[Word]:
+    """Return the words with a `where` that a recogniser spelled as it sounds."""
+    if len(words) > 2 and words[0].text in ("wear", "ware", "were", "we're"):
+        if words[1].text in ("is", "are", "did", "was", "have"):
+            return [replace(words[0], text="where"), *words[1:]]
+    return words
 
 
 def _without_fillers(words: list[Word]) -> list[Word]:
@@ -289,6 +298,8 @@ def _corrects(words: list[Word], i: int, count: int) -> bool:
             or _kind(before, None) is not None
             or before in ("on", "in", "the", "my", "under")
         )
+    if said == "actually" and count == 1:
+        return following in _DETERMINERS
     if said in ("rather", "make", "wait", "actually", "sorry"):
         return following not in ("than",)
     return True

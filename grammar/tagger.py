@@ -224,6 +224,9 @@ class Tagger:
 
     def _clause(self) -> bool:
         """that is red, which was on the table, that has a handle, that i left in the hall."""
+        kinds = [t.type for t in self.out.tags[-3:]]
+        if self._text(self.i) == "that" and kinds == ["NOUN", "BE", "THERE"]:
+            del self.out.tags[-2:]  # how many chairs are there that are not wooden
         if self._last() not in ("NOUN", "ONE", "ATTR", "PART"):
             return False
         if self._text(self.i) in _SUBJECTS and self._asked():
@@ -245,16 +248,10 @@ class Tagger:
                 self.i = k
             return True
         if self._text(k) in ("has", "have", "had"):
-            without = self._text(k + 1) == "no"
-            self._emit("_WITHOUT_PART" if without else "_WITH_PART", 0, k + 1 + without - self.i)
-            return True
-        if (
-            self._text(k) in ("does", "do")
-            and self._text(k + 1) == "not"
-            and self._text(k + 2) == "have"
-        ):
-            self._emit("_WITHOUT_PART", 0, k + 3 - self.i)
-            return True
+            none = self._text(k + 1) == "no"
+            return self._part_of(k + 1 + none, without=none)
+        if [self._text(k + n) for n in (1, 2)] == ["not", "have"]:
+            return self._part_of(k + 3, without=True)
         if self._text(k) in ("belongs", "belong", "belonged") and self._text(k + 1) == "to":
             self.i = k
             return self._belongs(k + 2)
@@ -360,6 +357,10 @@ class Tagger:
             if after_noun and self._contrasted(k + 1):
                 self._emit("_EXCEPT", 0, 1)
                 return True
+        elif self._attribute_at(k) and self._last() == "BE" and self._chosen():
+            self.out.tags.pop()  # how many chairs are not red: chairs that are not
+            self._emit("_THAT_IS_NOT", 0, 1)
+            return True
         elif self._attribute_at(k):
             found = self.reader.read(self.words, k)
             before_noun = len(found) > 1 and isinstance(found[-1][0], Noun)
@@ -379,6 +380,10 @@ class Tagger:
         self.i += 1
         return True
 
+    def _chosen(self) -> bool:
+        """Whether things are chosen or counted: which chairs, how many chairs."""
+        return any(t.type in ("_WHICH", "_HOWMANY") for t in self.out.tags)
+
     def _contrasted(self, k: int) -> bool:
         """Whether `not the red one` stands here: an attribute, and `one` or nothing after it."""
         found = self.reader.read(self.words, k) if is_open(self._text(k)) else []
@@ -391,39 +396,32 @@ class Tagger:
         text = self._text(self.i)
         if text not in ("with", "without"):
             return False
-        k = self.i + 1
-        without = text == "without"
-        if self._text(k) == "no":
-            without, k = True, k + 1
-        start = k
-        while self._text(k) in DETERMINERS or (
-            self._text(k) and numbers.cardinal([self._text(k)], 0)
-        ):
+        none = self._text(self.i + 1) == "no"
+        return self._part_of(self.i + 1 + none, without=none or text == "without")
+
+    def _part_of(self, start: int, *, without: bool) -> bool:
+        """Take the part or pattern at `start` as what the noun has, or lacks."""
+        k = start
+        while self._text(k) in DETERMINERS or numbers.cardinal([self._text(k)], 0):
             k += 1
-        if not is_open(self._text(k)):
-            return False
-        found = self.reader.read(self.words, k)
-        last = found[-1][0]
-        noun = last.said if isinstance(last, Noun) else ""
-        head = noun.rpartition(" ")[2]
-        is_part = (
-            noun in self.lexicon.patterns
-            or head in self.lexicon.patterns
-            or head in self.lexicon.parts
-        )
-        if not is_part and not without:
+        found = self.reader.read(self.words, k) if is_open(self._text(k)) else []
+        noun = next((w.said for w, _, _ in found if isinstance(w, Noun)), "")
+        pattern = self._pattern(noun)
+        if not noun or not (pattern or without or noun.rpartition(" ")[2] in self.lexicon.parts):
             return False
         self._emit("_WITHOUT_PART" if without else "_WITH_PART", 0, start - self.i)
-        self.i = k
         for what, first, end in found:
             self.i = first
             if isinstance(what, Attribute):
                 self._emit("ATTR", what, end - first)
             else:
-                pattern = self.lexicon.patterns.get(noun) or self.lexicon.patterns.get(head)
-                value = Pattern(pattern) if pattern else noun if is_part else what.said
-                self._emit("PART", value, end - first)
+                self._emit("PART", Pattern(pattern) if pattern else what.said, end - first)
         return True
+
+    def _pattern(self, noun: str) -> str | None:
+        """Return the word for a pattern that a thing has: stripes make it striped."""
+        patterns = self.lexicon.patterns
+        return patterns.get(noun) or patterns.get(noun.rpartition(" ")[2])
 
     def _owner(self) -> bool:
         text = self._text(self.i)
@@ -522,6 +520,12 @@ class Tagger:
                 return self._drop(said, size)
             case "last" | "first" | "usual":
                 return self._float(terminal, said, size)
+            case "seen_alone":
+                if self.out.tags:
+                    return False
+                for kind, value in (("AUX", "have"), ("WHO", "you"), ("SEE", said)):
+                    self._emit(kind, value, 0)
+                self.i += size
             case "where_last":
                 if self.out.tags:
                     return False

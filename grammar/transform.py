@@ -325,7 +325,8 @@ class Meanings(Transformer[Token, Any]):
 
     def told(self, *words: Any) -> Meaning:
         """said: WHO aux? act things."""
-        return Meaning("where", _things(words), newest=True)
+        seen = isinstance(words[0], Token) and words[0].value in ("you", "u", "ya")
+        return Meaning("whether" if seen else "where", _things(words), newest=True)
 
     # -- verbs ------------------------------------------------------------------------------------
 

@@ -120,6 +120,8 @@ def _apart(word: Word) -> list[Word]:
     text = word.text
     if text in _WITHOUT_APOSTROPHE:
         return [replace(word, text=part) for part in _WITHOUT_APOSTROPHE[text]]
+    if text.startswith("non-"):
+        return [replace(word, text="not"), replace(word, text=text.removeprefix("non-"))]
     if "-and-" in text:
         left, _, right = text.partition("-and-")
         return [replace(word, text=part) for part in (left, "and", right)]

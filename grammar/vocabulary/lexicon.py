@@ -47,6 +47,7 @@ class Lexicon:
     names: frozenset[str]
     glued: dict[str, str] = field(repr=False)
     heads: frozenset[str] = field(repr=False)
+    single: frozenset[str] = field(repr=False)
 
     def singular(self, noun: str) -> str:
         """Return the singular of a noun, lower case."""
@@ -71,7 +72,8 @@ class Lexicon:
         one = self.singular(noun.lower().strip())
         if one in THINGS:
             return ANYTHING
-        return self.nouns.get(one) or self.nouns.get(self.glued.get(one, one)) or one
+        found = self.nouns.get(one) or self.nouns.get(self.glued.get(one, one))
+        return found or self.nouns.get(one.replace(" ", "")) or one
 
     def wider(self, category: str) -> tuple[str, ...]:
         """Return the words that take in `category` and more, nearest first.
@@ -184,5 +186,11 @@ def lexicon(words: StoreWords = StoreWords()) -> Lexicon:  # noqa: B008  # froze
         relations=_relations(),
         names=frozenset(names),
         glued=glued,
+        single=frozenset(
+            form
+            for noun in nouns
+            if " " not in noun and len(noun) > 5
+            for form in (noun, inflection.plural(noun, plurals))
+        ),
         heads=frozenset(noun.rpartition(" ")[2] for noun in nouns),
     )
