@@ -30,6 +30,18 @@ class Evidence:
     categories: CategoryModel
     parameters: Parameters
 
+    def near(self, thing: Known, others: list[Known]) -> list[Known]:
+        """Return those of the others, at one place each, that are within the gate of a thing."""
+        if not others:
+            return []
+        positions = self.memory.positions
+        row, rows = thing.places[0].row, [other.places[0].row for other in others]
+        away = positions.mean[rows] - positions.mean[row]
+        spread = positions.spread[rows] + positions.spread[row]
+        squared, _ = likelihood.mahalanobis(away, spread)
+        inside = squared <= self.parameters.gate_sigmas**2
+        return [other for other, is_near in zip(others, inside, strict=True) if is_near]
+
     def odds(self, thing: Known, other: Known) -> float:
         """Return the log-odds that both, at one place each, are the same thing; by all but time."""
         positions = self.memory.positions
@@ -57,7 +69,8 @@ def likely_same(missed: Known, found: list[Known], evidence: Evidence) -> list[K
     others = [
         thing for thing in found if thing.row >= 0 and thing is not missed and _is_simple(thing)
     ]
-    scored = [(evidence.odds(missed, thing), -thing.number, thing) for thing in others]
+    near = evidence.near(missed, others)
+    scored = [(evidence.odds(missed, thing), -thing.number, thing) for thing in near]
     likely = [each for each in scored if each[0] >= evidence.parameters.merge_odds]
     return [thing for _, _, thing in sorted(likely, key=lambda each: each[:2], reverse=True)]
 

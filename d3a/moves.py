@@ -43,6 +43,13 @@ def find_links(memory: Memory, parameters: Parameters) -> list[Link]:
             for key, other in scores.items()
             if key != (old_number, new_number) and (key[0] == old_number or key[1] == new_number)
         ]
+        new = memory.things[new_number]
+        # What stands elsewhere and looks as much like it shows how little the look tells.
+        rivals += [
+            _likeness(memory, other, new)
+            for other in _confirmed(memory, parameters)
+            if other.number not in (old_number, new_number) and new.category in other.votes
+        ]
         if score >= max(rivals, default=0.0) + parameters.move_lead:
             links.append(Link(memory.things[old_number], memory.things[new_number], score))
     return links
