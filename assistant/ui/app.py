@@ -26,6 +26,7 @@ from assistant.ui.chat import ChatScreen, World
 from assistant.ui.floor import read_floor
 from assistant.ui.history import History
 from assistant.ui.lists import KeyframeList, QuestionList
+from assistant.ui.palette import Palette
 from assistant.ui.picture import Kind, Shot
 from assistant.ui.save import save_answer
 from assistant.ui.sheets import HELP, FloorSheet, LargeSheet, PictureSheet, Sheet, why_text
@@ -362,6 +363,11 @@ class ChatApp(App[None], inherit_bindings=False):
 
     def _nothing_yet(self, what: str) -> None:
         self.notify(f"There is no {what} yet: ask a question first.", markup=False)
+
+    def action_command_palette(self) -> None:
+        """Show every command by its name."""
+        if not Palette.is_open(self):
+            self.push_screen(Palette(id="--command-palette"))
 
     def get_system_commands(self, screen: Screen[object]) -> Iterable[SystemCommand]:
         """List the commands of the palette, the same that a slash names."""

@@ -12,6 +12,7 @@ from typing import Any
 
 import pytest
 from PIL import Image
+from textual.command import CommandList, CommandPalette
 from textual.pilot import Pilot
 from textual.widgets import Static
 
@@ -487,6 +488,20 @@ async def test_resizing_changes_the_layout_at_once() -> None:
         await c.pilot.resize_terminal(80, 24)
         await c.until(lambda: not c.app.chat.query_one("#picture", PictureView).whole)
         await c.until(lambda: "┏" in c.picture())
+
+
+async def test_the_palette_names_every_command_and_takes_early_keys() -> None:
+    async with chat() as c:
+        await c.ask()
+        c.app.action_command_palette()
+        await c.until(lambda: CommandPalette.is_open(c.app))
+        c.app.screen.query_one(CommandList).styles.max_height = 0  # as while it opens
+        await c.pilot.press("pagedown", "pageup")
+        c.app.screen.query_one(CommandList).styles.max_height = 20
+        await c.pilot.press(*"large")
+        await c.until(lambda: c.app.screen.query_one(CommandList).option_count == 1)
+        await c.pilot.press("enter")
+        await c.until(lambda: isinstance(c.app.screen, LargeSheet))
 
 
 async def test_a_list_without_room_takes_its_keys() -> None:
