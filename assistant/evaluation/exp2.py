@@ -178,5 +178,5 @@ def size_of(run: Filled, truth: Truth) -> Size:
         truly=metrics.true_stays(truth),
         entries=len(entries),
         pictures=len({frame for frame, _ in entries}),
-        file_bytes=run.path.stat().st_size,
+        file_bytes=int(run.store.counts()["bytes"]),
     )

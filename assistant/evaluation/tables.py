@@ -15,6 +15,7 @@ from assistant.evaluation.exp4 import Clusters
 from assistant.evaluation.judging import Cell, Reading
 from assistant.evaluation.methods import Method
 from assistant.evaluation.questions import FORMS, LEVELS
+from d3a.metrics import Rate
 
 NONE = "-"
 MB_PER_ENTRY = 1.3
@@ -66,7 +67,8 @@ def retrieval(outcomes: Sequence[Outcome], reading: Reading) -> Table:
             reading_note(reading),
             "Ceiling: the best MRR of a perfect store that must guess among equal look-alikes. "
             "Attribute is our fourth level: the paper has no such row.",
-            "“Perfect” is measured: an object without an ObjectID is a miss. The paper counts 0.",
+            "“Perfect” is measured: an object without an ObjectID is a miss. The paper counts 0. "
+            "D3A+P sees instance codes, which have no colour: its Attribute is its Category.",
         ),
     )
 
@@ -172,10 +174,10 @@ def _identity_rows() -> tuple[Row, ...]:
         ("B-cubed precision", lambda o: o.identity.precision, 2, None, None),
         ("B-cubed recall", lambda o: o.identity.recall, 2, None, None),
         ("dropped detections, %", lambda o: 100 * o.identity.dropped, 1, None, None),
-        ("links of moved: precision", lambda o: o.identity.links.precision, 2, None, None),
-        ("links of moved: recall", lambda o: o.identity.links.recall, 2, None, None),
-        ("last_absent: precision", lambda o: o.identity.absent.precision, 2, None, None),
-        ("last_absent: recall", lambda o: o.identity.absent.recall, 2, None, None),
+        ("links of moved: precision", lambda o: _precision(o.identity.links), 2, None, None),
+        ("links of moved: recall", lambda o: _recall(o.identity.links), 2, None, None),
+        ("last_absent: precision", lambda o: _precision(o.identity.absent), 2, None, None),
+        ("last_absent: recall", lambda o: _recall(o.identity.absent), 2, None, None),
         ("false answers to negatives, %", lambda o: _percent(o.false_answers), 1, None, None),
     )
 
@@ -205,6 +207,15 @@ def _mrr_at(level: str, reading: Reading) -> Callable[[Outcome], float]:
 
 def _ceiling_at(level: str) -> Callable[[Outcome], float]:
     return lambda o: o.ceiling(level)
+
+
+def _precision(rate: Rate) -> float | None:
+    """Return the precision, None where nothing was given that could be wrong."""
+    return rate.precision if rate.given else None
+
+
+def _recall(rate: Rate) -> float | None:
+    return rate.recall if rate.wanted else None
 
 
 def _percent(share: float | None) -> float | None:
