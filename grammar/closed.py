@@ -4,22 +4,24 @@ from __future__ import annotations
 
 from grammar.numbers import CARDINALS
 
-CLOSED = frozenset(
-    """
-    a an the this that these those some any no not never none all every each both either another
-    i you he she it we they me him her us them my your his its our their mine yours ours theirs hers
-    who whom whose what which where when why how whether if
-    is are was were am be been being do does did done have has had having
-    can could may might must shall should will would
-    and or but nor so because although while than as
-    at by for from in into of off on onto out over to under up upon with within without about
-    above across after against along among around before behind below beneath beside besides
-    between beyond down during except inside near next outside since through throughout till
-    toward towards underneath until
-    there here then now just still already yet ever again also too even only please
-    one ones many much more most fewer least than see saw seen seeing look looked find found leave left put lost last
-    spotted noticed placed show list tell
-    """.split()
+
+def words_of(text: str) -> frozenset[str]:
+    """Return the words of a text as a set."""
+    return frozenset(text.split())
+
+
+CLOSED = words_of(
+    "a an the this that these those some any no not never none all every each both either "
+    "another i you he she it we they me him her us them my your his its our their mine yours "
+    "ours theirs hers who whom whose what which where when why how whether if is are was were "
+    "am be been being do does did done have has had having can could may might must shall "
+    "should will would and or but nor so because although while than as at by for from in into "
+    "of off on onto out over to under up upon with within without about above across after "
+    "against along among around before behind below beneath beside besides between beyond down "
+    "during except inside near next outside since through throughout till toward towards "
+    "underneath until there here then now just still already yet ever again also too even only "
+    "please one ones many much more most fewer least see saw seen seeing look looked find found "
+    "leave left put lost last spotted noticed placed show list tell "
 )
 """Words that never are part of a noun phrase's open words."""
 

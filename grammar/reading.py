@@ -11,20 +11,68 @@ from lark import Lark, Token
 from lark.exceptions import UnexpectedInput
 
 from grammar import clock, lalr, scope, speech, tagger, timespan
+from grammar.cursor import TIME_GAP, Tagged
 from grammar.days import TimeAmbiguity
 from grammar.errors import Ambiguous, NotUnderstood, OutOfScope, QuestionError
 from grammar.forms import FormalQuery, ObjectTerm, TimeSlice
 from grammar.meaning import Meaning, MeaningError, query, readings
+from grammar.suggestions import spelled, suggestions
 from grammar.transform import Meanings
 from grammar.vocabulary import Lexicon
 from grammar.words import MAX_CHARACTERS, MAX_WORDS, Word, split
 
-_TERMINALS = (
-    "AND ATTR AT_PLACE AUX BE DET HAVE HERE GO MISSING MOVED NOT_ATTR NOUN NUMBER ONE OR OR_ITEM OWNED "
-    "OWNER PART PREDICATE REL SIDE_BY_SIDE STATE THAT_NOT THAT_NOT_REL THERE UNKNOWN WHO SEE LEAVE "
-    "FINDS _EXCEPT _FIND _HOWLONG _HOWMANY _HOWOFTEN _MADE_OF _NOT_MADE_OF _SEEK _SHOW _THAT_IS "
-    "_THAT_IS_NOT _WHAT _WHEN _WHERE _WHETHER _WHICH _WITHOUT_PART _WITH_PART"
-).split()
+_TERMINALS = [
+    "AND",
+    "ATTR",
+    "AT_PLACE",
+    "AUX",
+    "BE",
+    "DET",
+    "HAVE",
+    "HERE",
+    "GO",
+    "MISSING",
+    "MOVED",
+    "NOT_ATTR",
+    "NOUN",
+    "NUMBER",
+    "ONE",
+    "OR",
+    "OR_ITEM",
+    "OWNED",
+    "OWNER",
+    "PART",
+    "PREDICATE",
+    "REL",
+    "SIDE_BY_SIDE",
+    "STATE",
+    "THAT_NOT",
+    "THAT_NOT_REL",
+    "THERE",
+    "UNKNOWN",
+    "WHO",
+    "SEE",
+    "LEAVE",
+    "FINDS",
+    "_EXCEPT",
+    "_FIND",
+    "_HOWLONG",
+    "_HOWMANY",
+    "_HOWOFTEN",
+    "_MADE_OF",
+    "_NOT_MADE_OF",
+    "_SEEK",
+    "_SHOW",
+    "_THAT_IS",
+    "_THAT_IS_NOT",
+    "_WHAT",
+    "_WHEN",
+    "_WHERE",
+    "_WHETHER",
+    "_WHICH",
+    "_WITHOUT_PART",
+    "_WITH_PART",
+]
 QUESTION = lalr.Source("question.lark", tuple(_TERMINALS), ("start", "fragment"))
 
 
@@ -65,7 +113,7 @@ class Terminals:
     """A sentence ready for the grammar: its words without times, their terminals, its slice."""
 
     words: list[Word]
-    tagged: tagger.Tagged
+    tagged: Tagged
     time: TimeSlice | None
 
 
@@ -153,7 +201,7 @@ class Reading:
         last = 0
         for time in times:
             rest += words[last : time.first]
-            rest.append(replace(words[time.first], text=tagger.TIME_GAP))
+            rest.append(replace(words[time.first], text=TIME_GAP))
             last = time.last
         rest += words[last:]
         first = words[times[0].first]
@@ -167,7 +215,7 @@ class Reading:
                 self.text,
                 first.start,
                 f"“{said}” is no time I can place: {error}.",
-                scope.suggestions(self.text, rest, self.lexicon),
+                suggestions(rest, self.lexicon),
             ) from error
 
     def _ambiguous_date(self, words: list[Word], error: TimeAmbiguity) -> QuestionError:
@@ -191,8 +239,8 @@ class Reading:
         )
 
     def _refused(self, error: MeaningError, rest: list[Word]) -> QuestionError:
-        words = [w for w in rest if w.text != tagger.TIME_GAP]
-        hints = scope.suggestions(self.text, rest, self.lexicon)
+        words = [w for w in rest if w.text != TIME_GAP]
+        hints = suggestions(rest, self.lexicon)
         position = words[-1].start if words else 0
         if error.state:
             reason = f"A memory of sightings cannot answer that: {error}."
@@ -212,6 +260,6 @@ class Reading:
             self.text,
             next((t.word.start for t in tagged.tags if t.type in ("OR", "OR_ITEM")), 0),
             "It asks one thing or another; ask for one at a time.",
-            tuple(scope.spelled(done) for done in queries[:3]),
+            tuple(spelled(done) for done in queries[:3]),
             queries,
         )

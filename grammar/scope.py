@@ -6,30 +6,32 @@ the robot's doings, the weather and the future are out of scope; noise is not un
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import lru_cache
 
-from grammar import speech, tagger
-from grammar.closed import is_open
+from grammar import speech
+from grammar.closed import is_open, words_of
+from grammar.cursor import DETERMINERS, OWNERS, PRONOUNS, TIME_GAP, Tagged
 from grammar.errors import NotUnderstood, OutOfScope, QuestionError
 from grammar.forms import ANYTHING, FormalQuery, ObjectTerm
-from grammar.nouns import Attribute, Noun
+from grammar.nouns import Noun
+from grammar.nountags import KIN
+from grammar.phrases import phrases
+from grammar.suggestions import suggestions
 from grammar.vocabulary import Lexicon, files
 from grammar.words import Word
 
-_ASKING = frozenset(
-    "where when what which who whose why how is are was were am do does did have has had can could "
-    "may might should shall will would must whether if".split()
+_ASKING = words_of(
+    "where when what which who whose why how is are was were am do does did have has had "
+    "can could may might should shall will would must whether if"
 )
-_WHERE_VERBS = frozenset("find see look search locate".split())
-_NO_VERBS = frozenset(
-    "left right the a an my your our his her their its this that me you be".split()
-)
+_WHERE_VERBS = frozenset(["find", "see", "look", "search", "locate"])
+_NO_VERBS = words_of("left right the a an my your our his her their its this that me you be")
 
 
-_NO_PURPOSE = frozenset(
+_NO_PURPOSE = words_of(
     "something anything place somewhere anywhere want need thing way spot belonging belongs "
-    "belonged happen happened going able supposed used like next close adjacent attached opposite similar nearest closest".split()
+    "belonged happen happened going able supposed used like next close adjacent attached "
+    "opposite similar nearest closest"
 )
 
 
@@ -115,7 +117,7 @@ _REASON = "A memory of sightings knows where and when things were seen, nothing 
 def _excused(opening: tuple[str, ...], texts: list[str], it: ObjectTerm | None) -> bool:
     """Whether an opening is one of a question about a thing after all."""
     after = texts[len(opening) :]
-    if opening[-1] in tagger.PRONOUNS and len(opening) == 2 and it is not None:
+    if opening[-1] in PRONOUNS and len(opening) == 2 and it is not None:
         return True
     if opening in (
         ("where", "could", "i"),
@@ -125,12 +127,14 @@ def _excused(opening: tuple[str, ...], texts: list[str], it: ObjectTerm | None) 
     ):
         return (
             bool(_WHERE_VERBS & set(after[:3]))
-            or opening == ("where", "do", "i")
-            and bool(
-                {"keep", "put", "leave", "store", "usually", "normally", "have"} & set(after[:3])
+            or (
+                opening == ("where", "do", "i")
+                and bool(
+                    {"keep", "put", "leave", "store", "usually", "normally", "have"}
+                    & set(after[:3])
+                )
             )
-            or opening == ("where", "could", "i")
-            and "have" in after[:1]
+            or (opening == ("where", "could", "i") and "have" in after[:1])
         )
     if opening in (
         ("is", "that"),
@@ -160,7 +164,7 @@ def _commanded(texts: list[str], lexicon: Lexicon) -> bool:
     if len(texts) < 2 or texts[0] not in _lists()["command"]:
         return False
     if lexicon.known_noun(texts[0]) or texts[0] in lexicon.attributes:
-        return texts[1] in tagger.DETERMINERS or texts[1] in tagger.OWNERS
+        return texts[1] in DETERMINERS or texts[1] in OWNERS
     return True
 
 
@@ -202,7 +206,7 @@ def _use_asked(texts: list[str]) -> bool:
             if len(texts) > 4
             else ""
         )
-        allowed = tagger.phrases().verbs | {
+        allowed = phrases().verbs | {
             "have",
             "find",
             "see",
@@ -253,8 +257,7 @@ def refuse_late(text: str, found: FormalQuery, rest: list[Word], lexicon: Lexico
         head = term.word.rpartition(" ")[2]
         if i == 0 and (
             term.word in lists["abstract"]
-            or head in lists["abstract"]
-            and head not in lexicon.nouns
+            or (head in lists["abstract"] and head not in lexicon.nouns)
         ):
             word = next((w for w in rest if w.text.startswith(head[:4])), rest[-1])
             raise _out(text, word, f"“{term.word}” is no thing that a camera sees", rest, lexicon)
@@ -262,12 +265,12 @@ def refuse_late(text: str, found: FormalQuery, rest: list[Word], lexicon: Lexico
         if term.word in lists["medium"]:
             raise _out(text, rest[-1], f"“{term.word}” is no place for things", rest, lexicon)
     first = found.objects[0] if found.objects else None
-    if first is not None and (first.category in lexicon.names or first.category in tagger.KIN):
+    if first is not None and (first.category in lexicon.names or first.category in KIN):
         raise _out(text, rest[-1], "It remembers things, not the doings of people", rest, lexicon)
 
 
 def refuse_noise(
-    text: str, tagged: tagger.Tagged, rest: list[Word], lexicon: Lexicon, *, timed: bool
+    text: str, tagged: Tagged, rest: list[Word], lexicon: Lexicon, *, timed: bool
 ) -> None:
     """Raise NotUnderstood for a short form whose noun nobody knows: noise is no question."""
     kinds = [t.type for t in tagged.tags]
@@ -283,19 +286,19 @@ def refuse_noise(
                 text,
                 noun.word.start,
                 f"I do not know “{value.said}”.",
-                suggestions(text, rest, lexicon),
+                suggestions(rest, lexicon),
             )
 
 
 def unread(
-    text: str, rest: list[Word], word: Word | None, tagged: tagger.Tagged, lexicon: Lexicon
+    text: str, rest: list[Word], word: Word | None, tagged: Tagged, lexicon: Lexicon
 ) -> QuestionError:
     """Return the error of a sentence that no rule reads; `word` is the first one not read."""
-    words = [w for w in rest if w.text != tagger.TIME_GAP]
+    words = [w for w in rest if w.text != TIME_GAP]
     stopped = word or (words[-1] if words else None)
     position = stopped.start if stopped is not None else 0
     said = text[stopped.start : stopped.end] if stopped is not None else text.strip()
-    hints = suggestions(text, rest, lexicon)
+    hints = suggestions(rest, lexicon)
     if words and (asks(words) or words[0].text in _lists()["command"]):
         if _garbled(words) and not any(t.type == "WHO" for t in tagged.tags):
             return NotUnderstood(text, position, f"I could not follow at “{said}”.", hints)
@@ -309,81 +312,4 @@ def _garbled(words: list[Word]) -> bool:
 
 
 def _out(text: str, word: Word, reason: str, rest: list[Word], lexicon: Lexicon) -> OutOfScope:
-    return OutOfScope(text, word.start, f"{reason}.", suggestions(text, rest, lexicon))
-
-
-# -- suggestions -----------------------------------------------------------------------------------
-
-
-def suggestions(text: str, words: list[Word], lexicon: Lexicon) -> tuple[str, ...]:
-    """Return up to three questions that do parse and share words with this one."""
-    nouns = _nouns(words, lexicon)
-    if not nouns:
-        return ()
-    first = nouns[0]
-    found = [f"Where {first.be} {first.said}?", f"When did you last see {first.said}?"]
-    other = f" near {nouns[1].said}" if len(nouns) > 1 else " today"
-    return (*found, f"Did you see {first.said}{other}?")
-
-
-@dataclass(frozen=True, slots=True)
-class _Mentioned:
-    """A noun phrase of a question that failed, ready to be asked for."""
-
-    said: str
-    be: str
-
-
-def _nouns(words: list[Word], lexicon: Lexicon) -> list[_Mentioned]:
-    """Return the known nouns of the words with a determiner, as they were said."""
-    reader = tagger.NounReader(lexicon, tagger.breaks)
-    found: list[_Mentioned] = []
-    i = 0
-    while i < len(words):
-        if not is_open(words[i].text):
-            i += 1
-            continue
-        parts = reader.read(words, i)
-        start, i = i, parts[-1][2]
-        attributes = [p.said for p, _, _ in parts if isinstance(p, Attribute) and p.kind != "other"]
-        nouns = [(p, a, b) for p, a, b in parts if isinstance(p, Noun) and p.known]
-        if (
-            not nouns
-            or nouns[0][0].category == ANYTHING
-            or nouns[0][0].said in _lists()["abstract"]
-        ):
-            continue
-        noun, first, last = nouns[0]
-        as_said = " ".join(w.text for w in words[first:last])
-        lead = words[start - 1].text if start and words[start - 1].text in tagger.OWNERS else "the"
-        several = as_said != noun.said or lexicon.plurals.get(as_said) == as_said
-        found.append(_Mentioned(" ".join([lead, *attributes, as_said]), "are" if several else "is"))
-    return list(dict.fromkeys(found))
-
-
-_RELATIONS = {"in_front_of": "in front of", "left_of": "left of", "right_of": "right of",
-              "together": "with", "same_place": "in the same place as"}  # fmt: skip
-
-
-def spelled(query: FormalQuery) -> str:
-    """Return a plain question for a query, to tell two readings apart."""
-    named = " and ".join(phrase(term) for term in query.objects)
-    if query.relation is not None and len(query.objects) > 1:
-        first, *rest = (phrase(term) for term in query.objects)
-        kind = _RELATIONS.get(query.relation.kind, query.relation.kind)
-        named = f"{first} {kind} {' and '.join(rest)}"
-    if query.place is not None:
-        named += f" in the {query.place}"
-    match query.ask:
-        case "where" | "when":
-            return f"{query.ask.capitalize()} did you see {named}?"
-        case "what":
-            return f"Show me {named}"
-        case _:
-            return f"Did you see {named}?"
-
-
-def phrase(term: ObjectTerm) -> str:
-    """Return a noun phrase for an object term."""
-    owner = {None: "the", "me": "my", "you": "your"}.get(term.owner) or f"{term.owner}'s"
-    return " ".join([owner, *term.attributes, term.word])
+    return OutOfScope(text, word.start, f"{reason}.", suggestions(rest, lexicon))

@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
-from grammar import numbers, scope, tagger
+from grammar import numbers, phrases, scope
 from grammar import timewords as tw
 from grammar.closed import CLOSED, is_open
 from grammar.vocabulary import Lexicon, StoreWords, files, lexicon
@@ -43,7 +43,7 @@ def _known(words: StoreWords) -> tuple[frozenset[str], tuple[str, ...]]:
     known = set(targets) | CLOSED | lex.names | lex.parts | set(lex.patterns) | lex.shades
     known |= set(numbers.CARDINALS) | set(numbers.ORDINALS) | set(tw.UNITS) | set(tw.MONTH_NUMBER)
     known |= set(tw.WEEKDAY_NUMBER) | set(tw.SEASONS) | set(tw.HOLIDAYS)
-    for phrase in (*tw.PHRASES, *tw.HOLIDAYS, *tagger.spoken(), *scope.spoken()):
+    for phrase in (*tw.PHRASES, *tw.HOLIDAYS, *phrases.spoken(), *scope.spoken()):
         known.update(phrase.split())
     for section in files.sections("speech.txt").values():
         known.update(word for line in section for word in line.split())

@@ -11,16 +11,62 @@ from lark.exceptions import UnexpectedInput
 
 from grammar import lalr
 from grammar.closed import is_open
-from grammar.timeforms import Date, SpokenTime, TimeForms
+from grammar.timeforms import Date, SpokenTime
 from grammar.timelexer import TimeToken, tokenise
+from grammar.timetransform import TimeForms
 from grammar.timewords import MONTHS
 
-_TERMINALS = (
-    "BACK CMIN COUNT DATE DAYS DAY_AFTER DAY_BEFORE DECADE EDGE FIXED HHMM HOLIDAY HOUR MERIDIEM MINUTE "
-    "MONTH MONTH_OF NOW NTH ORD PART PARTDAY SEASON STAMP UNIT WEEKDAY WEEKEND YEAR YEAR_OF _AFTER "
-    "_AGO _AND _AROUND _BEFORE _BETWEEN _CPAST _CTO _EARLIER_THAN _FROM _HALF _LAST _LASTN "
-    "_LASTN1 _LATER_THAN _OCLOCK _SINCE _THIS _TO _UNTIL"
-).split()
+_TERMINALS = [
+    "BACK",
+    "CMIN",
+    "COUNT",
+    "DATE",
+    "DAYS",
+    "DAY_AFTER",
+    "DAY_BEFORE",
+    "DECADE",
+    "EDGE",
+    "FIXED",
+    "HHMM",
+    "HOLIDAY",
+    "HOUR",
+    "MERIDIEM",
+    "MINUTE",
+    "MONTH",
+    "MONTH_OF",
+    "NOW",
+    "NTH",
+    "ORD",
+    "PART",
+    "PARTDAY",
+    "SEASON",
+    "STAMP",
+    "UNIT",
+    "WEEKDAY",
+    "WEEKEND",
+    "YEAR",
+    "YEAR_OF",
+    "_AFTER",
+    "_AGO",
+    "_AND",
+    "_AROUND",
+    "_BEFORE",
+    "_BETWEEN",
+    "_CPAST",
+    "_CTO",
+    "_EARLIER_THAN",
+    "_FROM",
+    "_HALF",
+    "_LAST",
+    "_LASTN",
+    "_LASTN1",
+    "_LATER_THAN",
+    "_OCLOCK",
+    "_SINCE",
+    "_THIS",
+    "_TO",
+    "_UNTIL",
+]
 TIME = lalr.Source("time.lark", tuple(_TERMINALS))
 
 

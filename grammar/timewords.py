@@ -5,14 +5,27 @@ A word that has another use (may, second, sun, spring) becomes a time word by it
 
 from __future__ import annotations
 
-WEEKDAYS = "monday tuesday wednesday thursday friday saturday sunday".split()
+from grammar.closed import words_of
+
+WEEKDAYS = ["monday", "tuesday", "wednesday", "thursday", "friday", "saturday", "sunday"]
 WEEKDAY_SHORT = {
     "mon": 0, "tue": 1, "tues": 1, "wed": 2, "weds": 2, "thu": 3, "thur": 3, "thurs": 3,
     "fri": 4, "sat": 5, "sun": 6,
 }  # fmt: skip
-MONTHS = (
-    "january february march april may june july august september october november december".split()
-)
+MONTHS = [
+    "january",
+    "february",
+    "march",
+    "april",
+    "may",
+    "june",
+    "july",
+    "august",
+    "september",
+    "october",
+    "november",
+    "december",
+]
 MONTH_SHORT = {
     "jan": 1, "feb": 2, "mar": 3, "apr": 4, "jun": 6, "jul": 7, "aug": 8, "sep": 9, "sept": 9,
     "oct": 10, "nov": 11, "dec": 12,
@@ -56,12 +69,13 @@ HOLIDAYS = {
 """Holiday -> (month, day), or (0, rule number of calendar.moving_holiday)."""
 SEASONS = {"spring": 3, "summer": 6, "autumn": 9, "fall": 9, "winter": 12}
 
-LINKS = frozenset(
-    "at on in of the during within throughout for whole entire , exactly precisely sharp promptly sometime over".split()
+LINKS = words_of(
+    "at on in of the during within throughout for whole entire , exactly precisely sharp "
+    "promptly sometime over"
 )
-INTRODUCES_HOUR = frozenset(
-    "at by before after since until till til between from to and around about than - through "
-    "approximately roughly past exactly".split()
+INTRODUCES_HOUR = words_of(
+    "at by before after since until till til between from to and around about than - "
+    "through approximately roughly past exactly"
 )
 PHRASES: dict[str, tuple[str, object]] = {
     "the day before yesterday": ("DAYS", 2),

@@ -2,56 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
-from lark import Token, Transformer, v_args
+from lark import Token, v_args
 
-from grammar.forms import ANYTHING, ObjectTerm, RelationKind
-from grammar.meaning import (
-    AtPlace,
-    Choice,
-    Group,
-    Here,
-    Item,
-    Meaning,
-    MeaningError,
-    Related,
-    SideBySide,
-    Things,
-)
-from grammar.nouns import Attribute, Noun, Pattern
-
-
-@dataclass(frozen=True, slots=True)
-class Change:
-    """What one word or phrase adds to an object."""
-
-    attributes: tuple[str, ...] = ()
-    without: tuple[str, ...] = ()
-    owner: str | None = None
-    quantity: int | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class Act:
-    """A verb of seeing or leaving. kind: SEE, LEAVE or FINDS."""
-
-    kind: str
-
-
-@dataclass(frozen=True, slots=True)
-class Aux:
-    """An auxiliary: present, past, do, did, have or can."""
-
-    value: str
-
-
-@dataclass(frozen=True, slots=True)
-class Passive:
-    """A verb that the things themselves have: seen, gone; and where."""
-
-    items: tuple[Item, ...] = ()
+from grammar.forms import ANYTHING, ObjectTerm
+from grammar.meaning import AtPlace, Group, Item, Meaning, MeaningError, Related, SideBySide, Things
+from grammar.nouns import Attribute, Noun
+from grammar.terms import Act, Aux, Passive, Terms, items_of
 
 
 def _happened(words: tuple[Any, ...]) -> None:
@@ -63,12 +22,7 @@ def _happened(words: tuple[Any, ...]) -> None:
 def _things(words: tuple[Any, ...]) -> Things:
     """Return the one Things among `words`, with the items of a tail added."""
     found = next((w for w in words if isinstance(w, Things)), Things())
-    return found.with_items(_items(words))
-
-
-def _items(words: tuple[Any, ...]) -> tuple[Item, ...]:
-    tails = (w.items if isinstance(w, Passive) else w for w in words)
-    return tuple(item for tail in tails if isinstance(tail, tuple) for item in tail)
+    return found.with_items(items_of(words))
 
 
 def _aux(words: tuple[Any, ...]) -> str:
@@ -105,7 +59,7 @@ def _described(things: Things, attributes: tuple[str, ...]) -> Things:
 
 
 @v_args(inline=True)
-class Meanings(Transformer[Token, Any]):
+class Meanings(Terms):
     """question.lark -> Meaning."""
 
     def start(self, meaning: Meaning) -> Meaning:
@@ -125,7 +79,7 @@ class Meanings(Transformer[Token, Any]):
     def only_changes(self, *words: Any) -> Meaning:
         """fragment: DET? OWNER? pre+ | DET? OWNER | DET? OWNER? post."""
         nothing = Noun(ANYTHING, "thing", known=False)
-        return Meaning(None, Things(Group((self._term(nothing, words),))))
+        return Meaning(None, Things(Group((self.term(nothing, words),))))
 
     def asking_where(self) -> Meaning:
         """fragment: _WHERE."""
@@ -327,155 +281,3 @@ class Meanings(Transformer[Token, Any]):
         """said: WHO aux? act things."""
         seen = isinstance(words[0], Token) and words[0].value in ("you", "u", "ya")
         return Meaning("whether" if seen else "where", _things(words), newest=True)
-
-    # -- verbs ------------------------------------------------------------------------------------
-
-    def aux(self, token: Token) -> Aux:
-        """aux: BE | AUX."""
-        return Aux(str(token.value))
-
-    def act(self, token: Token) -> Act:
-        """act: SEE | LEAVE | FINDS."""
-        return Act(token.type)
-
-    def passive(self, *words: Any) -> Passive:
-        """passive: act tail? | GO tail?."""
-        return Passive(_items(words))
-
-    # -- things -----------------------------------------------------------------------------------
-
-    def things(self, group: Group, *items: Any) -> Things:
-        """things: group (OR_ITEM? item)*."""
-        return Things(group, _or_items(items))
-
-    def tail(self, *items: Any) -> tuple[Item, ...]:
-        """tail: item (OR_ITEM? item)*."""
-        return _or_items(items)
-
-    def related(self, link: tuple[RelationKind, bool], group: Group) -> Related:
-        """item: link group."""
-        kind, negated = link
-        return Related(kind, group, negated)
-
-    def link(self, token: Token) -> tuple[RelationKind, bool]:
-        """link: REL."""
-        return (token.value, False)  # type: ignore[return-value]
-
-    def link_not(self, token: Token) -> tuple[RelationKind, bool]:
-        """link: THAT_NOT_REL."""
-        return (token.value, True)  # type: ignore[return-value]
-
-    def at_place(self, token: Token) -> AtPlace:
-        """item: AT_PLACE."""
-        return AtPlace(str(token.value))
-
-    def here(self, _token: Token) -> Here:
-        """item: HERE."""
-        return Here()
-
-    def side_by_side(self, token: Token) -> SideBySide:
-        """item: SIDE_BY_SIDE."""
-        return SideBySide("same_place" if token.value == "same_place" else "together")
-
-    def group(self, *words: Any) -> Group:
-        """group: thing (AND thing | OR thing)*."""
-        terms = tuple(w for w in words if isinstance(w, ObjectTerm))
-        return Group(terms, any(isinstance(w, Token) and w.type == "OR" for w in words))
-
-    def thing(self, *words: Any) -> ObjectTerm:
-        """thing: DET? OWNER? pre* head post*."""
-        return self._term(next(w for w in words if isinstance(w, Noun)), words)
-
-    def _term(self, noun: Noun, words: tuple[Any, ...]) -> ObjectTerm:
-        """Return the object of a noun with all that the words around it say."""
-        changes = [w for w in words if isinstance(w, Change)]
-        owner = next(
-            (str(w.value) for w in words if isinstance(w, Token) and w.type == "OWNER"), None
-        )
-        owners = [c.owner for c in changes if c.owner]
-        quantities = [c.quantity for c in changes if c.quantity is not None]
-        base = noun.term or ObjectTerm(noun.category, noun.said)
-        return ObjectTerm(
-            category=base.category,
-            word=base.word,
-            attributes=(*base.attributes, *(a for c in changes for a in c.attributes)),
-            without=(*base.without, *(a for c in changes for a in c.without)),
-            owner=owners[0] if owners else owner or base.owner,
-            quantity=quantities[0] if quantities else base.quantity,
-            where=base.where,
-        )
-
-    def quantity(self, token: Token) -> Change:
-        """pre: NUMBER."""
-        return Change(quantity=token.value)  # type: ignore[arg-type]
-
-    def attribute(self, token: Token) -> Change:
-        """pre: ATTR."""
-        return Change(attributes=(_said(token),))
-
-    def lacking(self, token: Token) -> Change:
-        """pre: NOT_ATTR."""
-        return Change(without=(_said(token),))
-
-    def head(self, token: Token) -> Noun:
-        """head: NOUN | ONE."""
-        value = token.value
-        return value if isinstance(value, Noun) else Noun(ANYTHING, "thing", known=False)
-
-    def having(self, *tokens: Token) -> Change:
-        """post: _THAT_IS ATTR+."""
-        return Change(attributes=tuple(_said(t) for t in tokens))
-
-    def lacking_all(self, *tokens: Token) -> Change:
-        """post: _THAT_IS_NOT ATTR+."""
-        return Change(without=tuple(_said(t) for t in tokens))
-
-    def with_part(self, *tokens: Token) -> Change:
-        """post: _WITH_PART DET? ATTR* PART."""
-        return Change(attributes=_part(tokens))
-
-    def without_part(self, *tokens: Token) -> Change:
-        """post: _WITHOUT_PART DET? ATTR* PART."""
-        return Change(without=_part(tokens))
-
-    def except_attribute(self, *tokens: Token) -> Change:
-        """post: _EXCEPT DET? OWNER? ATTR+ ONE?."""
-        return Change(without=tuple(_said(t) for t in tokens if t.type == "ATTR"))
-
-    def except_noun(self, *tokens: Token) -> Change:
-        """post: _EXCEPT DET? OWNER? ATTR* NOUN."""
-        noun: Any = tokens[-1].value
-        return Change(without=(noun.said,))
-
-    def owned(self, token: Token) -> Change:
-        """post: OWNED."""
-        return Change(owner=str(token.value))
-
-
-def _part(tokens: tuple[Token, ...]) -> tuple[str, ...]:
-    """Return `red`, `striped` for red stripes, but `white shade` for a part that has its own look."""
-    words = tuple(_said(t) for t in tokens if t.type != "DET")
-    return words if isinstance(tokens[-1].value, Pattern) else (" ".join(words),)
-
-
-def _or_items(words: tuple[Any, ...]) -> tuple[Item, ...]:
-    """Return the items; two that `or` joins become one Choice of both."""
-    found: list[Item] = []
-    either = False
-    for word in words:
-        if isinstance(word, Token):
-            either = True
-        elif either and found:
-            before = found.pop()
-            options = before.options if isinstance(before, Choice) else (before,)
-            found.append(Choice((*options, word)))
-            either = False
-        else:
-            found.append(word)
-    return tuple(found)
-
-
-def _said(token: Token) -> str:
-    """Return the word of an attribute or of a part."""
-    value: Any = token.value
-    return value.said if isinstance(value, Attribute) else str(value)

@@ -5,6 +5,8 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass, replace
 
+from grammar.closed import words_of
+
 MAX_CHARACTERS = 600
 """A longer text is refused unread: no spoken question is so long."""
 MAX_WORDS = 60
@@ -32,9 +34,9 @@ _CONTRACTIONS = {
     "'d": "did",
     "'m": "am",
 }
-_IS_AFTER = frozenset(
-    "where what who when how that there it here he she this everything something anything which "
-    "why whereabouts".split()
+_IS_AFTER = words_of(
+    "where what who when how that there it here he she this everything something anything "
+    "which why whereabouts"
 )
 _WITHOUT_APOSTROPHE = {
     "wheres": ("where", "is"),

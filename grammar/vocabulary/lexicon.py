@@ -151,7 +151,7 @@ def _relations() -> dict[str, RelationKind]:
 
 
 @lru_cache(maxsize=16)
-def lexicon(words: StoreWords = StoreWords()) -> Lexicon:  # noqa: B008  # frozen and empty
+def lexicon(words: StoreWords = StoreWords()) -> Lexicon:  # frozen and empty
     """Return the lexicon with a store's words added; one object for equal words."""
     plurals = _plural_exceptions()
     nouns: dict[str, str] = {}

@@ -1,0 +1,114 @@
+"""Self-corrections: `where is the cup no the bowl` asks for the bowl."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from grammar import numbers
+from grammar import timewords as tw
+from grammar.closed import is_open, words_of
+from grammar.sayings import AUXILIARIES, QUESTION_STARTS, QUESTION_WORDS, sections
+from grammar.vocabulary import Lexicon
+from grammar.words import Word
+
+
+def corrected(words: list[Word], lexicon: Lexicon) -> list[Word]:
+    """Apply each self-correction: the later words take the place of their like before them."""
+    marks = sections()["correction"]
+    i = 1
+    while i < len(words):
+        count = marks.at(words, i)
+        if count and _corrects(words, i, count):
+            before, after = words[:i], words[i + count :]
+            while before and before[-1].text == ",":
+                before = before[:-1]
+            while after and after[0].text == ",":
+                after = after[1:]
+            if after and before:
+                words = _replaced(before, after, lexicon)
+                i = 1
+                continue
+        i += 1
+    return words
+
+
+def _corrects(words: list[Word], i: int, count: int) -> bool:
+    """Whether the mark at `i` is a self-correction and no part of the question."""
+    said = words[i].text
+    before = words[i - 1].text
+    following = words[i + count].text if i + count < len(words) else ""
+    if not following:
+        return False
+    if said in ("no", "nope") and count == 1:
+        if following in ("longer", "one", "more", "other", "later", "earlier", "sooner", "less"):
+            return False
+        return (
+            before == ","
+            or is_open(before)
+            or _kind(before, None) is not None
+            or before in ("on", "in", "the", "my", "under")
+        )
+    if said == "actually" and count == 1:
+        return following in _DETERMINERS
+    if said in ("rather", "make", "wait", "actually", "sorry"):
+        return following not in ("than",)
+    return True
+
+
+def _replaced(before: list[Word], after: list[Word], lexicon: Lexicon) -> list[Word]:
+    """Return `before` with its end replaced by `after`, from the last word of the same kind."""
+    if after[0].text == "not" and len(after) > 1:
+        return before
+    if after[0].text in QUESTION_STARTS and after[0].text not in ("in", "on", "at", "is", "was"):
+        return after
+    if after[0].text in ("is", "was", "are", "were") and before[0].text in (
+        *AUXILIARIES,
+        *QUESTION_WORDS,
+    ):
+        return after
+    same: list[Callable[[str], bool]] = [
+        lambda word: word == after[0].text,
+        lambda word: (
+            (kind := _kind(after[0].text, lexicon)) is not None and _kind(word, lexicon) == kind
+        ),
+    ]
+    for alike in same:
+        for k in range(len(before) - 1, 0, -1):
+            if alike(before[k].text):
+                return [*before[:k], *after]
+    return _head_replaced(before, after)
+
+
+def _head_replaced(before: list[Word], after: list[Word]) -> list[Word]:
+    """Put `after` in the place of the last noun phrase, or at the end."""
+    k = len(before)
+    while k > 1 and is_open(before[k - 1].text):
+        k -= 1
+    if after[0].text in _DETERMINERS and k > 1 and before[k - 1].text in _DETERMINERS:
+        k -= 1
+    return [*before[:k], *after] if k < len(before) else [*before, *after]
+
+
+_DETERMINERS = words_of("the a an my your our his her their its this that these those any some")
+_PREPOSITIONS = words_of(
+    "on in under behind near by above below beside inside at over beneath underneath"
+)
+
+
+def _kind(word: str, lexicon: Lexicon | None) -> str | None:
+    """Return the kind of word that a correction replaces like with like by."""
+    if word in _DETERMINERS:
+        return "determiner"
+    if word in _PREPOSITIONS:
+        return "preposition"
+    if word in tw.WEEKDAY_NUMBER or word in ("yesterday", "today", "tonight"):
+        return "day"
+    if word in tw.PARTS:
+        return "part"
+    if word in numbers.CARDINALS or word.isdecimal():
+        return "number"
+    if lexicon is not None and word in lexicon.attributes:
+        return "attribute"
+    if lexicon is not None and word.endswith("'s"):
+        return "determiner"
+    return None

@@ -1,0 +1,80 @@
+"""A place among the words of a sentence, and the terminals that are read so far."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from grammar import numbers
+from grammar.closed import is_open, words_of
+from grammar.forms import ObjectTerm, Select
+from grammar.nouns import NounReader
+from grammar.phrases import breaks, by_first, phrases
+from grammar.vocabulary import Lexicon
+from grammar.words import Word
+
+TIME_GAP = "<time>"
+"""Stands where a spoken time was taken out: no phrase reaches across it."""
+DETERMINERS = words_of("a an the this that these those some any their his her its another no")
+OWNERS = {"my": "me", "our": "me", "your": "you"}
+OWNED = {"mine": "me", "ours": "me", "yours": "you", "me": "me", "us": "me", "you": "you"}
+PRONOUNS = words_of("it they them these those he him she")
+
+
+@dataclass(frozen=True, slots=True)
+class Tag:
+    """A terminal of question.lark with its value; `word` is where it stands in the text."""
+
+    type: str
+    value: object
+    word: Word
+
+
+@dataclass
+class Tagged:
+    """The terminals of a sentence and what was lifted out of it."""
+
+    tags: list[Tag] = field(default_factory=list)
+    select: Select | None = None
+    negated: bool = False
+    here: bool = False
+
+
+class Cursor:
+    """Looks around in the words; the taggers derive from it."""
+
+    def __init__(self, words: list[Word], lexicon: Lexicon, it: ObjectTerm | None) -> None:
+        self.words = [w for w in words if w.text not in ("-", ":", ";")]
+        self.lexicon, self.it = lexicon, it
+        self.reader = NounReader(lexicon, breaks)
+        self.places = by_first(tuple(lexicon.places))
+        self.out = Tagged()
+        self.room = False
+        self.i = 0
+
+    # -- looking around ------------------------------------------------------------------------
+
+    def _text(self, k: int) -> str:
+        return self.words[k].text if 0 <= k < len(self.words) else ""
+
+    def _last(self) -> str:
+        return self.out.tags[-1].type if self.out.tags else ""
+
+    def _emit(self, kind: str, value: object, count: int, at: int | None = None) -> None:
+        word = self.words[self.i if at is None else at]
+        self.out.tags.append(Tag(kind, value, word))
+        self.i += count
+
+    def _open_at(self, k: int) -> bool:
+        """Whether an open word that starts or goes on a noun phrase stands at `k`."""
+        text = self._text(k)
+        return is_open(text) and text not in phrases().verbs
+
+    def _noun_phrase_at(self, k: int) -> bool:
+        text = self._text(k)
+        return (
+            self._open_at(k)
+            or text in DETERMINERS
+            or text in OWNERS
+            or (bool(text) and numbers.cardinal([text], 0) is not None)
+            or text in ("all", "both", "each", "every", "it", "them")
+        )

@@ -1,0 +1,321 @@
+"""Terminals of noun phrases: owners, parts, relative clauses, negation, named places."""
+
+from __future__ import annotations
+
+from grammar import numbers
+from grammar.closed import is_open, words_of
+from grammar.cursor import DETERMINERS, OWNED, OWNERS, TIME_GAP, Cursor
+from grammar.nouns import Attribute, Noun, Pattern
+from grammar.phrases import phrases
+
+KIN = words_of(
+    "wife husband mom mum mother dad father son daughter brother sister grandma grandpa "
+    "grandmother grandfather friend roommate flatmate boyfriend girlfriend partner nurse "
+    "carer uncle aunt neighbor neighbour granny granddaughter grandson cousin everybody "
+    "everyone"
+)
+"""People by their kinship: what they do is no business of a memory of things."""
+_PLACE_WORDS = words_of("in at inside from within into to around of throughout across on")
+_ON_PLACES = frozenset(("balcony", "terrace", "porch", "upstairs", "downstairs"))
+_BARE_PLACES = frozenset(("upstairs", "downstairs", "outside", "outdoors"))
+_SUBJECTS = ("i", "we", "you", "he", "she", "they")
+_AUXILIARY = words_of("have had has am is are was were been did do will would could can")
+PEOPLE = KIN | words_of("kid child guest visitor boy girl man woman baby person dog cat")
+
+
+class NounTagger(Cursor):
+    """Reads what belongs to things."""
+
+    def _or(self) -> bool:
+        """In the kitchen or the hall: a place after `or` needs no preposition of its own."""
+        after_place = self._last() == "AT_PLACE"
+        self._emit("OR", "or", 1)
+        if after_place:
+            k = self.i
+            while (
+                self._text(k) in _PLACE_WORDS
+                or self._text(k) in DETERMINERS
+                or self._text(k) in OWNERS
+            ):
+                k += 1
+            place, end = self._place_at(k)
+            if place:
+                self._emit("AT_PLACE", place, end - self.i)
+        return True
+
+    def _clause(self) -> bool:
+        """That is red, which was on the table, that has a handle, that i left in the hall."""
+        kinds = [t.type for t in self.out.tags[-3:]]
+        if self._text(self.i) == "that" and kinds == ["NOUN", "BE", "THERE"]:
+            del self.out.tags[-2:]  # how many chairs are there that are not wooden
+        if self._last() not in ("NOUN", "ONE", "ATTR", "PART"):
+            return False
+        if self._text(self.i) in _SUBJECTS and self._asked():
+            return self._relative(self.i)
+        if self._text(self.i) not in ("that", "which", "who"):
+            return False
+        k = self.i + 1
+        if self._text(k) in ("is", "are", "was", "were"):
+            k += 1
+            negated = self._text(k) == "not"
+            k += negated
+            if self._attribute_at(k):
+                self._emit("_THAT_IS_NOT" if negated else "_THAT_IS", 0, k - self.i)
+            elif self._text(k) in ("made", "built"):
+                self._emit("_NOT_MADE_OF" if negated else "_MADE_OF", 0, k + 2 - self.i)
+            elif negated:
+                self._emit("THAT_NOT", 0, k - self.i)
+            else:
+                self.i = k
+            return True
+        if self._text(k) in ("has", "have", "had"):
+            none = self._text(k + 1) == "no"
+            return self._part_of(k + 1 + none, without=none)
+        if [self._text(k + n) for n in (1, 2)] == ["not", "have"]:
+            return self._part_of(k + 3, without=True)
+        if self._text(k) in ("belongs", "belong", "belonged") and self._text(k + 1) == "to":
+            self.i = k
+            return self._belongs(k + 2)
+        return self._relative(k)
+
+    def _asked(self) -> bool:
+        """Whether the question's own verb has been said, so that another one is a relative clause."""
+        return any(t.type in ("BE", "AUX", "_SHOW", "_FIND", "_SEEK") for t in self.out.tags)
+
+    def _relative(self, k: int) -> bool:
+        """The cup (that) i left on the table: the subject and its verb say nothing more."""
+        if self._text(k) not in _SUBJECTS:
+            return False
+        k += 1
+        while self._text(k) in _AUXILIARY or self._text(k) in ("last", "just", "already", "always"):
+            k += 1
+        if self._text(k) not in phrases().verbs and not is_open(self._text(k)):
+            return False
+        self.i = k + 1
+        return True
+
+    def _belongs(self, k: int) -> bool:
+        owner = self._text(k)
+        if owner in OWNED or is_open(owner):
+            self._emit("OWNED", OWNED.get(owner, owner.removesuffix("'s")), k + 1 - self.i)
+            return True
+        return False
+
+    def _attribute_at(self, k: int) -> bool:
+        found = self.reader.read(self.words, k) if is_open(self._text(k)) else []
+        return bool(found) and isinstance(found[0][0], Attribute)
+
+    def _place(self) -> bool:
+        k = self.i
+        preposition = self._text(k)
+        if self._last() == "AUX" and self._place_has():
+            return True
+        if preposition in _BARE_PLACES and not self._open_at(k + 1):
+            self._emit("AT_PLACE", preposition, 1)
+            return True
+        if preposition not in _PLACE_WORDS:
+            return False
+        k += 1
+        if preposition in ("inside",) and self._text(k) == "of":
+            k += 1
+        while (
+            self._text(k) in DETERMINERS
+            or self._text(k) in OWNERS
+            or self._text(k) in ("same", "whole", "entire")
+        ):
+            k += 1
+        if self._text(k).endswith("'s") and k > self.i + 1:
+            return False
+        place, end = self._place_at(k)
+        if not place or (preposition == "on" and place not in _ON_PLACES):
+            return False
+        self._emit("AT_PLACE", place, end - self.i)
+        return True
+
+    def _place_has(self) -> bool:
+        """Does the kitchen have an island, how many windows does the hall have."""
+        k = self.i
+        while self._text(k) in DETERMINERS or self._text(k) in OWNERS:
+            k += 1
+        place, end = self._place_at(k)
+        if not place or self._text(end) not in ("have", "contain"):
+            return False
+        self._emit("AT_PLACE", place, end - self.i)
+        self._emit("HAVE", "have", 1)
+        return True
+
+    def _place_at(self, k: int) -> tuple[str, int]:
+        """Return (place, its end) of the named place at `k`; no noun may follow it."""
+        for parts in self.places.get(self._text(k), ()):
+            end = k + len(parts)
+            if [self._text(j) for j in range(k, end)] == list(parts) and not self._open_at(end):
+                return self.lexicon.places[" ".join(parts)], end
+        return "", k
+
+    def _negation(self) -> bool:
+        text = self._text(self.i)
+        if text == "no":
+            following = self._text(self.i + 1)
+            if following == "longer":
+                self.out.negated = True
+                self.i += 2
+                return True
+            self.out.negated = True
+            self._emit("DET", text, 1)
+            return True
+        if text in ("never", "nothing", "nowhere", "none"):
+            self.out.negated = True
+            if text in ("nothing", "none"):
+                self._emit("NOUN", Noun("object", "thing", known=True), 1)
+            else:
+                self.i += 1
+            return True
+        if text != "not":
+            return False
+        k = self.i + 1
+        after_noun = self._last() in ("NOUN", "ONE", "COMMA", "ATTR", "AND", "")
+        if self._text(k) in DETERMINERS or self._text(k) in OWNERS:
+            if after_noun and self._contrasted(k + 1):
+                self._emit("_EXCEPT", 0, 1)
+                return True
+        elif self._attribute_at(k) and self._last() == "BE" and self._chosen():
+            self.out.tags.pop()  # how many chairs are not red: chairs that are not
+            self._emit("_THAT_IS_NOT", 0, 1)
+            return True
+        elif self._attribute_at(k):
+            found = self.reader.read(self.words, k)
+            before_noun = len(found) > 1 and isinstance(found[-1][0], Noun)
+            if before_noun and self._last() in ("DET", "OWNER", ""):
+                self.i += 1
+                attribute, _, last = found[0]
+                self._emit("NOT_ATTR", attribute, last - self.i)
+                return True
+            if after_noun:
+                self._emit("_THAT_IS_NOT", 0, 1)
+                return True
+        elif self._text(k) in ("made", "built") and self._text(k + 1) in ("of", "from", "out"):
+            count = 4 if self._text(k + 1) == "out" else 3
+            self._emit("_NOT_MADE_OF", 0, count)
+            return True
+        self.out.negated = True
+        self.i += 1
+        return True
+
+    def _chosen(self) -> bool:
+        """Whether things are chosen or counted: which chairs, how many chairs."""
+        return any(t.type in ("_WHICH", "_HOWMANY") for t in self.out.tags)
+
+    def _contrasted(self, k: int) -> bool:
+        """Whether `not the red one` stands here: an attribute, and `one` or nothing after it."""
+        found = self.reader.read(self.words, k) if is_open(self._text(k)) else []
+        if not found:
+            return False
+        return all(isinstance(what, Attribute) for what, _, _ in found)
+
+    def _part(self) -> bool:
+        """With a handle, without stripes, with no lid; other `with` is the relation together."""
+        text = self._text(self.i)
+        if text not in ("with", "without"):
+            return False
+        none = self._text(self.i + 1) == "no"
+        return self._part_of(self.i + 1 + none, without=none or text == "without")
+
+    def _part_of(self, start: int, *, without: bool) -> bool:
+        """Take the part or pattern at `start` as what the noun has, or lacks."""
+        k = start
+        while self._text(k) in DETERMINERS or numbers.cardinal([self._text(k)], 0):
+            k += 1
+        found = self.reader.read(self.words, k) if is_open(self._text(k)) else []
+        noun = next((w.said for w, _, _ in found if isinstance(w, Noun)), "")
+        pattern = self._pattern(noun)
+        if not noun or not (pattern or without or noun.rpartition(" ")[2] in self.lexicon.parts):
+            return False
+        self._emit("_WITHOUT_PART" if without else "_WITH_PART", 0, start - self.i)
+        for what, first, end in found:
+            self.i = first
+            if isinstance(what, Attribute):
+                self._emit("ATTR", what, end - first)
+            else:
+                self._emit("PART", Pattern(pattern) if pattern else what.said, end - first)
+        return True
+
+    def _pattern(self, noun: str) -> str | None:
+        """Return the word for a pattern that a thing has: stripes make it striped."""
+        patterns = self.lexicon.patterns
+        return patterns.get(noun) or patterns.get(noun.rpartition(" ")[2])
+
+    def _owner(self) -> bool:
+        text = self._text(self.i)
+        if text in OWNERS or text in ("mine", "ours", "yours"):
+            self._emit("OWNER", OWNERS.get(text) or OWNED[text], 1)
+            return True
+        if text.endswith("'s") and len(text) > 2:
+            stem = text.removesuffix("'s")
+            singular = self.lexicon.singular(stem)
+            if self._last() == "OWNER":
+                self.out.tags.pop()
+            self._emit("OWNER", stem if stem in self.lexicon.names else singular, 1)
+            return True
+        if text == "of" and self._last() in ("NOUN", "ONE"):
+            following = self._text(self.i + 1)
+            if following in ("mine", "ours", "yours"):
+                self._emit("OWNED", OWNED[following], 2)
+                return True
+            if following.endswith("'s") and not self._open_at(self.i + 2):
+                self._emit("OWNED", following.removesuffix("'s"), 2)
+                return True
+            return self._content()
+        if text == "belonging" and self._text(self.i + 1) == "to":
+            return self._belongs(self.i + 2)
+        names_plural = text.endswith("s") and text[:-1] in self.lexicon.names
+        if names_plural and text not in self.lexicon.names and self._open_at(self.i + 1):
+            self._emit("OWNER", text[:-1], 1)
+            return True
+        return False
+
+    def _content(self) -> bool:
+        """Cup of coffee, box of cereal: what is in it does not name the thing."""
+        k = self.i + 1
+        while self._text(k) in DETERMINERS or self._text(k) in OWNERS:
+            k += 1
+        if not self._open_at(k):
+            return False
+        found = self.reader.read(self.words, k)
+        self.i = found[-1][2]
+        return True
+
+    def _noun_as_subject(self) -> bool:
+        """anna, my wife, the kids: people who leave things are the subject of the question."""
+        k = self.i
+        while self._text(k) in DETERMINERS or self._text(k) in OWNERS:
+            k += 1
+        text = self._text(k)
+        person = text in self.lexicon.names or (
+            k > self.i and self.lexicon.singular(text) in PEOPLE
+        )
+        if not person:
+            return False
+        after = k + 1
+        while self._text(after) in (
+            "last",
+            "ever",
+            "first",
+            "usually",
+            "have",
+            "had",
+            "just",
+            "also",
+            "always",
+            "normally",
+            "did",
+            TIME_GAP,
+        ):
+            after += 1
+        if self._text(after) in phrases().verbs and not self._moves(after):
+            self._emit("WHO", text, k + 1 - self.i)
+            return True
+        return False
+
+    def _moves(self, k: int) -> bool:
+        """Whether the verb at `k` has no object: the dog that went is itself the thing asked for."""
+        return not any(self._noun_phrase_at(j) for j in range(k + 1, min(k + 4, len(self.words))))

@@ -1,0 +1,76 @@
+"""The phrases of a question, by their first word: phrases.txt and relations.txt."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+from grammar.vocabulary import files
+from grammar.words import Word
+
+VERBAL = ("SEE", "LEAVE", "FINDS", "GO", "MOVED", "MISSING")
+_CUTTING = ("_MADE_OF", "_EXCEPT", "SIDE_BY_SIDE", "MISSING", "usual", "HERE")
+_BREAKING = ("HERE", "drop", "last", "first", "usual", "SIDE_BY_SIDE", "negative")
+
+
+@dataclass(frozen=True)
+class Phrases:
+    """phrases.txt and relations.txt by first word, longest first, and the one-word verbs."""
+
+    by_first: dict[str, list[tuple[tuple[str, ...], str]]]
+    verbs: frozenset[str]
+    breakers: frozenset[str]
+
+
+@lru_cache(maxsize=1)
+def phrases() -> Phrases:
+    """Return the phrases of the question; read once."""
+    found: dict[str, list[tuple[tuple[str, ...], str]]] = {}
+    verbs: set[str] = set()
+    breakers: set[str] = set()
+    for line in files.lines("phrases.txt"):
+        terminal, _, said = line.partition("=")
+        for phrase in files.split(said):
+            parts = tuple(phrase.split())
+            found.setdefault(parts[0], []).append((parts, terminal.strip()))
+            if len(parts) == 1 and terminal.strip() in VERBAL:
+                verbs.add(phrase)
+            if len(parts) == 1 and terminal.strip() in _BREAKING:
+                breakers.add(phrase)
+    for line in files.lines("relations.txt"):
+        kind, _, said = line.partition(":")
+        for phrase in files.split(said):
+            parts = tuple(phrase.split())
+            found.setdefault(parts[0], []).append((parts, f"REL {kind.strip()}"))
+    for entries in found.values():
+        entries.sort(key=lambda entry: len(entry[0]), reverse=True)
+    return Phrases(found, frozenset(verbs), frozenset(verbs | breakers | {"belonging"}))
+
+
+def breaks(words: list[Word], k: int) -> bool:
+    """Whether the open word at `k` starts a phrase of its own and goes on no noun."""
+    known = phrases()
+    text = words[k].text
+    if text in known.breakers:
+        return True
+    for parts, terminal in known.by_first.get(text, ()):
+        if terminal.startswith("REL") or terminal in _CUTTING:
+            if all(k + j < len(words) and words[k + j].text == p for j, p in enumerate(parts)):
+                return True
+    return False
+
+
+def spoken() -> tuple[str, ...]:
+    """Return every phrase of the question, for spelling to leave alone."""
+    return tuple(" ".join(parts) for entries in phrases().by_first.values() for parts, _ in entries)
+
+
+@lru_cache(maxsize=16)
+def by_first(said: tuple[str, ...]) -> dict[str, list[tuple[str, ...]]]:
+    found: dict[str, list[tuple[str, ...]]] = {}
+    for phrase in said:
+        parts = tuple(phrase.split())
+        found.setdefault(parts[0], []).append(parts)
+    for entries in found.values():
+        entries.sort(key=len, reverse=True)
+    return found

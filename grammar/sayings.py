@@ -1,0 +1,57 @@
+"""The phrases around a question, by section of speech.txt, and the words that start one."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+from grammar.closed import words_of
+from grammar.vocabulary import files
+from grammar.words import Word
+
+QUESTION_STARTS = words_of(
+    "where when what which who why how is are was were did do does have has had can could "
+    "show list in on at"
+)
+QUESTION_WORDS = frozenset(["where", "when", "what", "which", "how", "whether", "whereabouts"])
+AUXILIARIES = words_of("is are was were did do does have has had can could should will")
+
+
+@dataclass(frozen=True)
+class Phrases:
+    """The phrases of one section of speech.txt, found by their first word."""
+
+    by_first: dict[str, tuple[tuple[str, ...], ...]]
+
+    def at(self, words: list[Word], i: int) -> int:
+        """Return how many words the longest phrase at `i` takes, 0 for none."""
+        if i >= len(words):
+            return 0
+        for phrase in self.by_first.get(words[i].text, ()):
+            end = i + len(phrase)
+            if end <= len(words) and all(
+                words[i + k].text == part for k, part in enumerate(phrase)
+            ):
+                return len(phrase)
+        return 0
+
+    def ending(self, words: list[Word]) -> int:
+        """Return how many words the longest phrase at the end takes, 0 for none."""
+        for k in range(max(0, len(words) - 6), len(words)):
+            if self.at(words, k) == len(words) - k:
+                return len(words) - k
+        return 0
+
+
+@lru_cache(maxsize=1)
+def sections() -> dict[str, Phrases]:
+    found: dict[str, Phrases] = {}
+    for name, said in files.sections("speech.txt").items():
+        by_first: dict[str, list[tuple[str, ...]]] = {}
+        for phrase in said:
+            parts = tuple(phrase.split())
+            by_first.setdefault(parts[0], []).append(parts)
+        found[name] = Phrases(
+            {k: tuple(sorted(v, key=len, reverse=True)) for k, v in by_first.items()}
+        )
+    return found

@@ -1,0 +1,84 @@
+"""Questions that do parse: what a person may say instead, and how a query is said."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from grammar.closed import is_open
+from grammar.cursor import OWNERS
+from grammar.forms import ANYTHING, FormalQuery, ObjectTerm
+from grammar.nouns import Attribute, Noun, NounReader
+from grammar.phrases import breaks
+from grammar.vocabulary import Lexicon, files
+from grammar.words import Word
+
+
+def suggestions(words: list[Word], lexicon: Lexicon) -> tuple[str, ...]:
+    """Return up to three questions that do parse and share words with this one."""
+    nouns = _nouns(words, lexicon)
+    if not nouns:
+        return ()
+    first = nouns[0]
+    found = [f"Where {first.be} {first.said}?", f"When did you last see {first.said}?"]
+    other = f" near {nouns[1].said}" if len(nouns) > 1 else " today"
+    return (*found, f"Did you see {first.said}{other}?")
+
+
+@dataclass(frozen=True, slots=True)
+class _Mentioned:
+    """A noun phrase of a question that failed, ready to be asked for."""
+
+    said: str
+    be: str
+
+
+def _nouns(words: list[Word], lexicon: Lexicon) -> list[_Mentioned]:
+    """Return the known nouns of the words with a determiner, as they were said."""
+    reader = NounReader(lexicon, breaks)
+    abstract = files.sections("scope.txt")["abstract"]
+    found: list[_Mentioned] = []
+    i = 0
+    while i < len(words):
+        if not is_open(words[i].text):
+            i += 1
+            continue
+        parts = reader.read(words, i)
+        start, i = i, parts[-1][2]
+        attributes = [p.said for p, _, _ in parts if isinstance(p, Attribute) and p.kind != "other"]
+        nouns = [(p, a, b) for p, a, b in parts if isinstance(p, Noun) and p.known]
+        if not nouns or nouns[0][0].category == ANYTHING or nouns[0][0].said in abstract:
+            continue
+        noun, first, last = nouns[0]
+        as_said = " ".join(w.text for w in words[first:last])
+        lead = words[start - 1].text if start and words[start - 1].text in OWNERS else "the"
+        several = as_said != noun.said or lexicon.plurals.get(as_said) == as_said
+        found.append(_Mentioned(" ".join([lead, *attributes, as_said]), "are" if several else "is"))
+    return list(dict.fromkeys(found))
+
+
+_RELATIONS = {"in_front_of": "in front of", "left_of": "left of", "right_of": "right of",
+              "together": "with", "same_place": "in the same place as"}  # fmt: skip
+
+
+def spelled(query: FormalQuery) -> str:
+    """Return a plain question for a query, to tell two readings apart."""
+    named = " and ".join(phrase(term) for term in query.objects)
+    if query.relation is not None and len(query.objects) > 1:
+        first, *rest = (phrase(term) for term in query.objects)
+        kind = _RELATIONS.get(query.relation.kind, query.relation.kind)
+        named = f"{first} {kind} {' and '.join(rest)}"
+    if query.place is not None:
+        named += f" in the {query.place}"
+    match query.ask:
+        case "where" | "when":
+            return f"{query.ask.capitalize()} did you see {named}?"
+        case "what":
+            return f"Show me {named}"
+        case _:
+            return f"Did you see {named}?"
+
+
+def phrase(term: ObjectTerm) -> str:
+    """Return a noun phrase for an object term."""
+    owner = {None: "the", "me": "my", "you": "your"}.get(term.owner) or f"{term.owner}'s"
+    return " ".join([owner, *term.attributes, term.word])

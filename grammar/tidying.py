@@ -1,0 +1,91 @@
+"""Terminals settled by both their neighbours: commas, `and`, predicates."""
+
+from __future__ import annotations
+
+from grammar.cursor import Tag
+from grammar.nouns import PREDICATES, Attribute, Noun
+
+
+def tidied(tags: list[Tag]) -> list[Tag]:
+    """Return the terminals with what only both neighbours tell."""
+    tags = _things_described(_joined_attributes(_commas(tags)))
+    return _predicates(tags)
+
+
+def _commas(tags: list[Tag]) -> list[Tag]:
+    """A comma between nouns of a list is an `and`; any other is nothing."""
+    out: list[Tag] = []
+    for i, tag_ in enumerate(tags):
+        if tag_.type != "COMMA":
+            out.append(tag_)
+            continue
+        before = out[-1].type if out else ""
+        after = tags[i + 1].type if i + 1 < len(tags) else ""
+        listed = any(t.type in ("AND", "OR") for t in tags[i + 1 :])
+        if (
+            before in ("NOUN", "ONE")
+            and after in ("NOUN", "DET", "OWNER", "ATTR", "NUMBER")
+            and listed
+        ):
+            out.append(Tag("AND", ",", tag_.word))
+    return out
+
+
+def _joined_attributes(tags: list[Tag]) -> list[Tag]:
+    """Drop `and` between attributes, before a relation, and after another `and`."""
+    out: list[Tag] = []
+    for i, tag_ in enumerate(tags):
+        before = out[-1].type if out else ""
+        after = tags[i + 1].type if i + 1 < len(tags) else ""
+        if tag_.type == "AND":
+            attributes = before == "ATTR" and after == "ATTR"
+            ground = after in (
+                "REL",
+                "AT_PLACE",
+                "SIDE_BY_SIDE",
+                "THAT_NOT_REL",
+                "_WITH_PART",
+                "_THAT_IS",
+                "_EXCEPT",
+                "",
+            )
+            if attributes or ground or before in ("AND", ""):
+                continue
+        if tag_.type == "OR" and after in ("REL", "AT_PLACE"):
+            tag_ = Tag("OR_ITEM", "or", tag_.word)
+        out.append(tag_)
+    return out
+
+
+def _things_described(tags: list[Tag]) -> list[Tag]:
+    """Put attributes before their noun in `something red`."""
+    out: list[Tag] = []
+    for tag_ in tags:
+        noun = out[-1] if out else None
+        if (
+            tag_.type == "ATTR"
+            and noun is not None
+            and noun.type == "NOUN"
+            and isinstance(noun.value, Noun)
+            and noun.value.category == "object"
+        ):
+            out.insert(len(out) - 1, tag_)
+            continue
+        out.append(tag_)
+    return out
+
+
+def _predicates(tags: list[Tag]) -> list[Tag]:
+    """An attribute after its noun, with no `that is`, is said of it: `is the cup red`."""
+    out: list[Tag] = []
+    for i, tag_ in enumerate(tags):
+        if tag_.type == "ATTR" and isinstance(tag_.value, Attribute):
+            rest = tags[i:]
+            ends = all(t.type == "ATTR" for t in rest)
+            follows = i > 0 and out[-1].type in ("NOUN", "ONE", "PREDICATE", "BE", "AUX")
+            if ends and follows:
+                kind = "PREDICATE" if tag_.value.kind in PREDICATES else "STATE"
+                out.append(Tag(kind, tag_.value, tag_.word))
+                continue
+        out.append(tag_)
+    return out

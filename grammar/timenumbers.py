@@ -1,0 +1,305 @@
+"""Numbers of a spoken time, typed by their neighbours: hours, minutes, days, years, counts."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+from grammar import numbers
+from grammar import timewords as tw
+from grammar.closed import is_open
+
+_ISO = re.compile(r"(\d{4})[-/.](\d{1,2})[-/.](\d{1,2})(?:t(\d{1,2}):(\d{2})(?::\d{2})?)?$")
+_SLASHED = re.compile(r"(\d{1,2})[-/.](\d{1,2})(?:[-/.](\d{4}|\d{2}))?$")
+_NAMED = re.compile(r"(\d{1,2})-([a-z]{3,9})-(\d{2,4})$")
+_CLOCK = re.compile(r"(\d{1,2})[:.](\d{2})(?::\d{2})?$")
+
+
+@dataclass(frozen=True, slots=True)
+class TimeToken:
+    """A terminal of time.lark with its value; it covers words[first:last]."""
+
+    type: str
+    value: object
+    first: int
+    last: int
+
+
+class NumberReader:
+    """Sees the word at `i`, the words around it and the tokens before it; reads the numbers."""
+
+    def __init__(self, words: list[str], i: int, before: list[TimeToken | None]) -> None:
+        self.words, self.i = words, i
+        self.before = before
+        self.previous = next((t for t in reversed(before) if not t or t.type != "LINK"), None)
+        self.word = words[i]
+
+    def _make(self, kind: str, value: object, count: int) -> TimeToken:
+        return TimeToken(kind, value, self.i, self.i + count)
+
+    def _at(self, k: int) -> str:
+        return self.words[self.i + k] if 0 <= self.i + k < len(self.words) else ""
+
+    def _is(self, *kinds: str) -> bool:
+        return self.previous is not None and self.previous.type in kinds
+
+    # -- written with digits -----------------------------------------------------------------
+
+    def _written(self) -> TimeToken | None:
+        if match := _ISO.match(self.word):
+            year, month, day, hour, minute = (int(g) if g else None for g in match.groups())
+            if hour is not None:
+                return self._make("STAMP", (year, month, day, hour, minute), 1)
+            return self._make("DATE", ("ymd", year, month, day), 1)
+        if match := _NAMED.match(self.word):
+            month = tw.MONTH_NUMBER.get(match[2])
+            return (
+                self._make("DATE", ("ymd", _year(match[3]), month, int(match[1])), 1)
+                if month
+                else None
+            )
+        if (match := _CLOCK.match(self.word)) and int(match[1]) <= 24 and int(match[2]) < 60:
+            exact = len(match[1]) == 2 and match[1][0] == "0"
+            return self._make("HHMM", (int(match[1]), int(match[2]), exact), 1)
+        if match := _SLASHED.match(self.word):
+            year = _year(match[3]) if match[3] else None
+            return self._make("DATE", ("slashed", year, int(match[1]), int(match[2])), 1)
+        return None
+
+    def _meridiem(self) -> TimeToken | None:
+        """a.m., p m, am; and "in the morning" after a clock stays a part of the day."""
+        if not self._is("HOUR", "MINUTE", "HHMM", "_OCLOCK", "FIXED"):
+            return None
+        compact = self.word.replace(".", "").replace(" ", "")
+        if compact in ("am", "pm"):
+            return self._make("MERIDIEM", compact, 1)
+        if compact in ("a", "p") and self._at(1) == "m":
+            return self._make("MERIDIEM", compact + "m", 2)
+        return None
+
+    # -- minutes past and to -----------------------------------------------------------------
+
+    def _clock_minutes(self) -> TimeToken | None:
+        """quarter, half, ten (minutes) before past / to / after, and the word itself after it."""
+        if self._is("CMIN"):
+            if self.word in ("past", "after"):
+                return self._make("_CPAST", 0, 1)
+            if self.word in ("to", "till", "til", "before", "of"):
+                return self._make("_CTO", 0, 1)
+        skip = 1 if self.word in ("a", "the") else 0
+        word = self._at(skip)
+        if word in ("quarter", "half"):
+            count, value = 1, 15 if word == "quarter" else 30
+        else:
+            number = numbers.cardinal(self.words, self.i + skip) if word else None
+            if number is None or not 0 < number[0] < 60 or skip:
+                return None
+            value, count = number
+        count += skip
+        if self._at(count) in ("minutes", "minute", "mins", "min"):
+            count += 1
+        return self._minutes(value, count) if self._turns(count, value) else None
+
+    def _minutes(self, value: int, count: int) -> TimeToken:
+        return self._make("CMIN", value, count)
+
+    def _turns(self, count: int, value: int) -> bool:
+        """Whether `past` or `to` at `count`, and then an hour, make these the minutes of a clock."""
+        turn, hour = self._at(count), self._at(count + 1)
+        if turn not in ("past", "to", "after", "before", "till", "til", "of"):
+            return False
+        number = numbers.cardinal(self.words, self.i + count + 1) if hour else None
+        is_hour = hour in tw.FIXED_CLOCKS or (number is not None and 0 < number[0] <= 12)
+        if not is_hour:
+            return False
+        if turn == "past":
+            return True
+        if turn in ("of", "before", "till", "til", "after"):
+            return value in (5, 10, 15, 20, 25, 30)
+        opened = any(t is not None and t.type == "_FROM" for t in self.before)
+        if opened and not any(t is not None and t.type == "_TO" for t in self.before):
+            # "from ten to three" is a range unless a second `to` follows: "from ten to three to four"
+            rest = self.words[self.i + count + 2 :]
+            return value == 15 or any(w in ("to", "until", "till") for w in rest)
+        after = self._at(count + 1 + (number[1] if number else 1))
+        return value % 5 == 0 or after not in ("am", "pm", "a", "p")
+
+    # -- numbers -----------------------------------------------------------------------------
+
+    def _year(self) -> TimeToken | None:
+        value, count = self._year_value()
+        if not value:
+            return None
+        previous = self._at(-1)
+        if self._is("MONTH", "DAY_AFTER", "MONTH_OF", "HOLIDAY", "SEASON", "ORD", "DAY_BEFORE"):
+            return self._make("YEAR_OF", value, count)
+        if previous in ("in", "of", "since", "during", "before", "after", "until", "from", "to",
+                        "year", "between", "and", "till", "by", "through"):  # fmt: skip
+            if count > 1 and previous not in ("in", "of", "since", "during", "year"):
+                return None
+            return self._make("YEAR", value, count)
+        return None
+
+    def _year_value(self) -> tuple[int, int]:
+        """Return (year, words): 2015, twenty fifteen, nineteen oh five, two thousand (and) six."""
+        word = self.word
+        if word.isdecimal() and len(word) == 4 and 1900 <= int(word) <= 2099:
+            return int(word), 1
+        if word == "two" and self._at(1) == "thousand":
+            skip = 3 if self._at(2) == "and" else 2
+            rest = numbers.cardinal(self.words, self.i + skip) if self._at(skip) else None
+            return (2000 + rest[0], skip + rest[1]) if rest and rest[0] < 100 else (2000, 2)
+        if word not in ("nineteen", "twenty", "eighteen"):
+            return 0, 0
+        century = numbers.CARDINALS[word] * 100
+        if self._at(1) in ("oh", "o", "0") and numbers.CARDINALS.get(self._at(2), 10) < 10:
+            return century + numbers.CARDINALS[self._at(2)], 3
+        if self._at(1) == "hundred":
+            return century, 2
+        rest = numbers.cardinal(self.words, self.i + 1) if self._at(1) else None
+        if rest is None or not 10 <= rest[0] <= 99 or self._at(1).isdecimal():
+            return 0, 0
+        following = self._at(1 + rest[1])
+        if (
+            self._is("MONTH_OF") and numbers.cardinal(self.words, self.i + 1 + rest[1] - 1 + 1)
+            if following
+            else False
+        ):
+            return 0, 0  # "may twenty twenty twelve": the first twenty is the day
+        return century + rest[0], 1 + rest[1]
+
+    def _ordinal(self) -> TimeToken | None:
+        number = numbers.ordinal(self.words, self.i)
+        if number is None or not 1 <= number[0] <= 31:
+            return None
+        value, count = number
+        following = self._at(count)
+        month = following if following != "of" else self._at(count + 1)
+        if month in tw.MONTH_NUMBER:
+            return self._make("DAY_BEFORE", value, count)
+        if following in ("day", "week", "weekend", "month", *tw.WEEKDAY_NUMBER) and self._at(
+            count + 1
+        ) in ("of", "in"):
+            return self._make("NTH", value, count)
+        if self._is("MONTH_OF"):
+            return self._make("DAY_AFTER", value, count)
+        if self._at(-1) != "the" and not self._is("WEEKDAY", "_AND", "_TO"):
+            return None
+        return None if self._noun(following) else self._make("ORD", value, count)
+
+    def _noun(self, word: str) -> bool:
+        """Whether a word may go on a noun phrase: open, and no word of time."""
+        return is_open(word) and not self._time_word(word)
+
+    def _time_word(self, word: str) -> bool:
+        timed = word in tw.PARTS or word in tw.WEEKDAY_NUMBER or word in tw.MONTH_NUMBER
+        return timed or word in ("today", "yesterday", "tonight", "ago", "am", "pm", "sharp")
+
+    def _number(self) -> TimeToken | None:
+        if self.word == "o" or self.word == "oh":
+            return None
+        if re.fullmatch(r"\d+\.\d+", self.word) and self._at(1) in tw.UNITS:
+            return self._make("COUNT", float(self.word), 1)
+        number = numbers.cardinal(self.words, self.i)
+        if number is None:
+            return None
+        value, count = number
+        if self._at(count) == "-" and self._ranges(count + 1) and value <= 24:
+            return self._make("HOUR", value, count)
+        return (
+            self._day_number(value, count)
+            or self._count(value, count)
+            or self._minute(value, count)
+            or self._hour(value, count)
+        )
+
+    def _ranges(self, k: int) -> bool:
+        """Whether a clock time with am or pm stands at `k`, after a dash: `9-11 am`."""
+        number = numbers.cardinal(self.words, self.i + k) if self._at(k) else None
+        return number is not None and self._at(k + number[1]) in (
+            "am",
+            "pm",
+            "a.m.",
+            "p.m.",
+            "a",
+            "p",
+        )
+
+    def _day_number(self, value: int, count: int) -> TimeToken | None:
+        if not 1 <= value <= 31:
+            return None
+        following = self._at(count) if self._at(count) != "of" else self._at(count + 1)
+        if following in tw.MONTH_NUMBER:
+            return self._make("DAY_BEFORE", value, count)
+        if self._is("MONTH_OF"):
+            return self._make("DAY_AFTER", value, count)
+        return None
+
+    def _count(self, value: int, count: int) -> TimeToken | None:
+        following = self._at(count)
+        if following == "more":
+            following = self._at(count + 1)
+        if following in tw.UNITS:
+            if value >= 100 and following == "hours":
+                return None
+            return self._make("COUNT", value, count)
+        if [following, self._at(count + 1), self._at(count + 2)] == ["and", "a", "half"]:
+            return self._make("COUNT", value + 0.5, count + 3)
+        if following in ("quarters", "quarter") and self._at(count + 1) == "of":
+            return self._make("COUNT", value / 4, count + 3)
+        return None
+
+    def _minute(self, value: int, count: int) -> TimeToken | None:
+        if self._is("HOUR") and value < 60 and (value >= 10 or len(self.word) == 2):
+            return self._make("MINUTE", value, count)
+        return None
+
+    def _hour(self, value: int, count: int) -> TimeToken | None:
+        following = self._at(count)
+        previous = self._at(-1)
+        introduced = previous in tw.INTRODUCES_HOUR
+        if value >= 100:
+            clock = value % 100 < 60 and value < 2400 and (previous == "at" or following == "hours")
+            if clock:
+                return self._make(
+                    "HHMM", (value // 100, value % 100, True), count + (following == "hours")
+                )
+            return None
+        if value > 24:
+            return None
+        if following == "hundred":
+            whole = count + 1 + (self._at(count + 1) in ("hours", "hour"))
+            return self._make("HHMM", (value, 0, True), whole)
+        second = numbers.cardinal(self.words, self.i + count) if following else None
+        two = second is not None and second[0] < 60
+        compact = following.replace(".", "").replace(" ", "")
+        spoken = (
+            compact in ("am", "pm", "oclock", "o'clock", "noon", "midnight")
+            or (compact in ("a", "p", "o") and self._at(count + 1) in ("m", "clock"))
+            or self._meridiem_after(count, second)
+        )
+        if following in ("noon", "midnight") and value == 12:
+            return self._make("FIXED", tw.FIXED_CLOCKS[following], count + 1)
+        if spoken:
+            return self._make("HOUR", value, count)
+        plain = not self._noun(following)
+        near_day = self._is("WEEKDAY", "DAYS", "PARTDAY", "PART") and (two or plain)
+        if (introduced and (plain or two)) or near_day:
+            return self._make("HOUR", value, count)
+        if following in ("oh", "o") and introduced:
+            return self._make("HOUR", value, count)
+        return None
+
+    def _meridiem_after(self, count: int, second: tuple[int, int] | None) -> bool:
+        if second is None:
+            return False
+        k = count + second[1]
+        compact = self._at(k).replace(".", "").replace(" ", "")
+        return compact in ("am", "pm") or (compact in ("a", "p") and self._at(k + 1) == "m")
+
+
+def _year(text: str) -> int:
+    value = int(text)
+    if value >= 100:
+        return value
+    return 2000 + value if value < 70 else 1900 + value
