@@ -120,6 +120,9 @@ class CategoryModel:
         A share `confusion` of detections carries a wrong category, drawn by frequency.
         """
         wrong = self.parameters.confusion
+        # Squared: what a thing is follows from its votes ever more surely. By plain shares one
+        # stray vote for a rare category would open the door to all of that category around.
+        votes = [{name: weight**2 for name, weight in each.items()} for each in votes]
         totals = [sum(each.values()) for each in votes]
         rows = {}
         for category in set(categories):

@@ -7,7 +7,7 @@ localisation's error is common to all its detections, and drifts slowly), the se
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -132,12 +132,27 @@ class Matcher:
         self._parameters = parameters
         self.looks = LookModel(parameters)
         self.offset = FrameOffset.unknown(parameters)
+        self.residuals = np.array([1.0, 1.0]) * parameters.noise_prior
+        """Summed squared residuals by what was expected of them, and their number."""
+
+    def _scaled(self, observed: Observed, pose: Pose | None) -> Observed:
+        """Return the frame with its noise corrected by how far positions scatter in truth.
+
+        Learned from things that were recognised, so that precise positions separate neighbours.
+        Without a pose a position and its covariance are the recording's own, and believed.
+        """
+        if pose is None:
+            return observed
+        learned = float(self.residuals[0] / self.residuals[1])
+        scale = max(self._parameters.noise_least, learned)
+        return replace(observed, noise=observed.noise * scale)
 
     def match(self, observed: Observed, time_ms: int, pose: Pose | None) -> list[Match]:
         """Return for each observed thing what it is; updates the frame's offset."""
         self.offset.predict(time_ms, pose)
         if not observed.things:
             return []
+        observed = self._scaled(observed, pose)
         rows = self._gate(observed)
         things = self._candidates(observed, rows)
         if not things:
@@ -291,11 +306,12 @@ class Matcher:
         self.offset.correct(residuals, observed.noise[seen] + positions.spread[rows])
         return True
 
-    def update(self, observed: Observed, pairs: list[tuple[int, Place]]) -> None:
+    def update(self, observed: Observed, pairs: list[tuple[int, Place]], pose: Pose | None) -> None:
         """Move the matched places towards what was observed: Kalman, robust, all at once."""
         positions = self._memory.positions
         if not pairs:
             return
+        observed = self._scaled(observed, pose)
         seen = [i for i, _ in pairs]
         rows = [place.row for _, place in pairs]
         surface = np.eye(3) * self._parameters.object_spread_m**2
@@ -304,6 +320,9 @@ class Matcher:
         squared, _ = likelihood.mahalanobis(residuals, noise + positions.spread[rows])
         dof = self._parameters.outlier_dof
         weight = np.minimum(1.0, (dof + 3) / (dof + squared))[:, None, None]
+        if pose is not None:
+            inside = squared[squared <= self._parameters.noise_gate]
+            self.residuals += (float(inside.sum()) / 3, len(inside))
         error = positions.error[rows]
         gain = error @ np.linalg.inv(error + (noise + surface) / weight)
         positions.mean[rows] += np.einsum("nij,nj->ni", gain, residuals)

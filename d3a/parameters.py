@@ -42,6 +42,9 @@ class Parameters:
     depth_sigma_rel: float = 0.02  # of the range; stereo and structured light err by 1 to 4 %
     object_spread_m: float = 0.1  # the measured point wanders over the thing's surface
     no_depth_range_m: float = 2.5  # without depth a thing is somewhere before the camera: half way
+    noise_prior: float = 50.0  # matches for which the claimed noise counts against what is seen
+    noise_least: float = 0.1  # and the smallest share of it that is believed
+    noise_gate: float = 12.0  # squared sigmas; what is farther off tells of mistakes, not of noise
     # Default profile, tier 2: log-likelihood ratios against "a thing not seen before"
     space_m3: float = 30.0  # of a home (80 m2 x 2.5 m) for each thing in view not seen yet
     outlier_dof: float = 5.0  # Student's t: depth through a chair's back, localisation that lags

@@ -68,7 +68,7 @@ class TrackerPipeline:
                 moved.append((i, place))
             self._view(thing, place, found[i], observed, i, scene.ref)
             seen.append((thing, place))
-        self._matcher.update(observed, moved)
+        self._matcher.update(observed, moved, scene.pose)
         self._meet(scene.ref, seen, found)
         self._absence.watch(scene, seen, self._matcher.offset)
         for gone in self._recall.evict():
@@ -228,6 +228,7 @@ class TrackerPipeline:
         """Return everything that `restore` needs."""
         record, arrays = memory_state(self._memory)
         arrays["look_model"] = self._matcher.looks.sums
+        arrays["residuals"] = self._matcher.residuals
         record |= {
             "next": self._next_number,
             "confirmed_since": self._confirmed_since,
@@ -244,6 +245,7 @@ class TrackerPipeline:
         memory_of_state(self._memory, record, arrays, self._parameters)
         self._next_number = record["next"]
         self._matcher.looks.sums = np.array(arrays["look_model"])
+        self._matcher.residuals = np.array(arrays["residuals"])
         self._confirmed_since = record["confirmed_since"]
         self._categories.counts.update(record["categories"])
         self._matcher.offset.restore(record["offset"])
