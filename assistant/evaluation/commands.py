@@ -104,6 +104,8 @@ def evaluate_command(
             )
     except (D3AError, OSError) as error:
         raise click.ClickException(str(error)) from error
+    if "exp1" in names and not found.exp1:
+        click.echo("exp1 needs a simulated world: its codes are drawn from a seed", err=True)
     for table in found.tables():
         click.echo(tables.as_text(table))
         for note in table.notes:

@@ -60,7 +60,8 @@ def exp1(points: Sequence[Point]) -> str:
                 )
         ax.set(xlabel="false positive rate of the bits", ylabel=label, ylim=(-0.03, 1.03))
         ax.grid(alpha=0.3)
-    axes[1].legend(fontsize=7)
+    lines, labels = axes[1].get_legend_handles_labels()
+    figure.legend(lines, labels, loc="outside lower center", ncols=3, fontsize=7)
     return _svg(figure)
 
 
@@ -91,7 +92,8 @@ def accuracy(outcomes: Sequence[Outcome], reading: Reading) -> str:
     axes[1].hlines(ceilings, middle - 0.42, middle + 0.42, color="black", lw=1, label="ceiling")
     axes[1].set_xticks(middle, levels)
     axes[1].set(ylabel="MRR@50", ylim=(0, 1))
-    axes[1].legend(fontsize=7)
+    lines, labels = axes[1].get_legend_handles_labels()
+    figure.legend(lines, labels, loc="outside lower center", ncols=4, fontsize=7)
     return _svg(figure)
 
 

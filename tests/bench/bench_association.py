@@ -1,6 +1,6 @@
 """Measure the goals of the association: one table, what is asked for beside what was measured.
 
-    python tests/bench/bench_association.py [--seeds dev|validation|0,3-5] [--part NAME ...]
+    python -m tests.bench.bench_association [--seeds dev|validation|0,3-5] [--part NAME ...]
 
 Parts: nominal (3 h), noise (each condition, 3 h), codes (Exp 1), days (22 h), week (100 h, speed).
 Tune on dev seeds alone; validation seeds are for looking, once per change that is to be kept.

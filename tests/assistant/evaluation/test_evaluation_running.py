@@ -254,6 +254,13 @@ def test_evaluate_command_prints_tables(source: Recorded) -> None:
     assert "Non-spatial" in done.stdout
 
 
+def test_evaluate_command_says_what_a_given_recording_cannot_do(source: Recorded) -> None:
+    arguments = ["exp1", "--world", str(source.folder), "--quiet"]
+    done = CliRunner().invoke(evaluate_command, arguments)
+    assert done.exit_code == 0, done.output
+    assert "exp1 needs a simulated world" in done.stderr
+
+
 def test_evaluate_command_names_what_is_missing(tmp_path: Path) -> None:
     done = CliRunner().invoke(evaluate_command, ["exp4", "--world", str(tmp_path), "--quiet"])
     assert done.exit_code == 1
