@@ -2,7 +2,8 @@
 
 from grammar.errors import Ambiguous, NotUnderstood, OutOfScope, QuestionError
 from grammar.forms import FormalQuery, ObjectTerm, Relation, TimeSlice
-from grammar.parser import Correction, Parsed, parse, parse_report
+from grammar.parser import Parsed, parse, parse_report
+from grammar.spelling import Correction
 from grammar.vocabulary import StoreWords
 
 __all__ = [

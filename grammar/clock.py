@@ -43,10 +43,10 @@ def _resolved(said: tf.SpokenTime, setting: Setting) -> TimeSlice:
         if outer[0] < outer[1]:
             starts.append(outer[0])
             ends.append(outer[1])
-    start, end = (max(starts) if starts else None), (min(ends) if ends else None)
-    if start is not None and end is not None and end < start:
+    latest, earliest = (max(starts) if starts else None), (min(ends) if ends else None)
+    if latest is not None and earliest is not None and earliest < latest:
         raise TimeError("it ends before it starts")
-    return TimeSlice(start, end)
+    return TimeSlice(latest, earliest)
 
 
 def _bound(bound: tf.Bound, around: tf.Pieces, setting: Setting) -> TimeSlice:

@@ -15,7 +15,7 @@ class TimeError(ValueError):
     """A spoken time that names no time: the thirtieth of February, two days at once."""
 
 
-class TimeAmbiguity(TimeError):
+class TimeAmbiguityError(TimeError):
     """A date that two countries read in two ways; `readings` are both, month first."""
 
     def __init__(self, readings: tuple[tf.Date, tf.Date]) -> None:
@@ -172,13 +172,13 @@ def _date(said: tf.Date, ref: Reference) -> DaySpan:
 
 
 def ordered(said: tf.Date, month_first: bool | None) -> tf.Date:
-    """Return a date in digits with its month found; raises TimeAmbiguity where nothing tells."""
+    """Return a date in digits with its month found; TimeAmbiguityError where nothing tells."""
     first, second = said.month or 0, said.day or 0
     us, other = tf.Date(said.year, first, second), tf.Date(said.year, second, first)
     if first > 12 or second > 12 or first == second:
         return other if first > 12 else us
     if month_first is None:
-        raise TimeAmbiguity((us, other))
+        raise TimeAmbiguityError((us, other))
     return us if month_first else other
 
 

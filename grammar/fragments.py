@@ -51,7 +51,7 @@ _SAME_TIME = ("at that time", "that day", "back then", "at the time", "on that d
 class Fragment:
     """What a follow-up changes; what is None or empty stays as it was.
 
-    terms: new objects, `ANYTHING` with attributes for "the red one". items: new relations and places.
+    terms: new objects, `ANYTHING` with attributes for "the red one". items: new places, relations.
     relative: before, after or since the time of the last answer. shift: the last slice, moved.
     query: a whole question whose own words already say all but the relative time.
     """

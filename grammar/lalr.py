@@ -1,8 +1,8 @@
 """Lark's LALR parser over tokens that are typed already, and its tables kept between processes.
 
-Building the tables costs more than a hundred questions, so they are kept as JSON beside the grammar
-(`python -m grammar.tables` writes them). A table is used only when it was made from the very grammar
-text, terminals and release of Lark at hand; otherwise it is built anew.
+Building the tables costs more than a hundred questions, so they are kept as JSON beside their
+grammar (`python -m grammar.tables` writes them). A table is used only when it was made from the
+very grammar text, terminals and release of Lark at hand; otherwise it is built anew.
 """
 
 from __future__ import annotations
@@ -87,7 +87,10 @@ def _built(source: Source, transformer: Transformer[Token, Any] | None) -> Lark:
 def _loaded(data: Any, memo: Any, transformer: Transformer[Token, Any]) -> Lark:
     data["options"]["lexer"] = Typed
     data["parser"]["lexer_conf"]["lexer_type"] = Typed
-    return Lark._load_from_dict(data, memo, transformer=transformer)
+    loaded: Lark = Lark._load_from_dict(  # type: ignore[no-untyped-call]  # as `load` does
+        data, memo, transformer=transformer
+    )
+    return loaded
 
 
 def write(source: Source) -> None:

@@ -147,8 +147,8 @@ def _parser() -> Lark:
 def read(text: str, *, now: datetime) -> FormalQuery:
     """Return the query of a line of notation, the paper's own strings included.
 
-    now: aware; a bare clock time (1300) is the last one gone by before it. Raises NotUnderstood with
-    the position of what could not be read.
+    now: aware; a bare clock time (1300) is the last one gone by before it.
+    Raises NotUnderstood with the position of what could not be read.
     """
     try:
         tree = _parser().parse(text)
@@ -159,7 +159,7 @@ def read(text: str, *, now: datetime) -> FormalQuery:
             text, position, f"The notation breaks off at “{text[position : position + 20]}”."
         ) from error
     try:
-        return _Reader(text, now).query(cast("Tree[Token]", tree))
+        return _Reader(text, now).query(tree)
     except (FormError, ValueError, OverflowError) as error:
         raise NotUnderstood(text, 0, f"The notation makes no query: {error}.") from error
 
@@ -236,7 +236,7 @@ class _Reader:
                 self.line.found.append([])
             self.line.found[-1].append(name)
         elif name in RELATION_KINDS:
-            self.line.relation = Relation(cast("RelationKind", name), negated)
+            self.line.relation = Relation(name, negated)
         elif name == _TIME:
             self.line.time = self.line.time or TimeSlice()
         else:
@@ -348,7 +348,7 @@ class _Reader:
         return tuple(self._term(owner) for group in split for owner in group)
 
     def _bound_apart(self, group: list[str]) -> list[_Object]:
-        """Bind the paper's `pink(x), cup(y)` to one object: attributes go with the next category."""
+        """Bind the paper's `pink(x), cup(y)` to one object: attributes go with the next noun."""
         attributes = lexicon().attributes
         out: list[_Object] = []
         waiting: list[str] = []
@@ -389,10 +389,10 @@ class _Reader:
         )
 
 
-def _text(node: Any) -> str:
-    """Return the word of a `word` node: a string as it stands, a name with spaces for underscores."""
-    token = node.children[0] if isinstance(node, Tree) else node
-    return json.loads(token) if token.type == "STRING" else str(token).replace("_", " ")
+def _text(node: Tree[Token] | Token) -> str:
+    """Return the word of a node: a string as it stands, a name with spaces for underscores."""
+    token = cast("Token", node.children[0] if isinstance(node, Tree) else node)
+    return str(json.loads(token)) if token.type == "STRING" else str(token).replace("_", " ")
 
 
 def _moment_text(node: Any) -> str:

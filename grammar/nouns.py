@@ -29,7 +29,7 @@ PREDICATES = frozenset(("colour", "material", "pattern", "shape", "size"))
 
 @dataclass(frozen=True, slots=True)
 class Noun:
-    """A noun as it was said, singular. known: the lexicon has it. term: what a pronoun stands for."""
+    """A noun as said, singular. known: the lexicon has it. term: what a pronoun stands for."""
 
     category: str
     said: str

@@ -44,7 +44,7 @@ class NounTagger(Cursor):
         return True
 
     def _clause(self) -> bool:
-        """That is red, which was on the table, that has a handle, that i left in the hall."""
+        """Read that is red, which was on the table, that has a handle, that i left in the hall."""
         kinds = [t.type for t in self.out.tags[-3:]]
         if self._text(self.i) == "that" and kinds == ["NOUN", "BE", "THERE"]:
             del self.out.tags[-2:]  # how many chairs are there that are not wooden
@@ -79,11 +79,11 @@ class NounTagger(Cursor):
         return self._relative(k)
 
     def _asked(self) -> bool:
-        """Whether the question's own verb has been said, so that another one is a relative clause."""
+        """Whether the question's own verb has been said: another one is a relative clause."""
         return any(t.type in ("BE", "AUX", "_SHOW", "_FIND", "_SEEK") for t in self.out.tags)
 
     def _relative(self, k: int) -> bool:
-        """The cup (that) i left on the table: the subject and its verb say nothing more."""
+        """Read the cup (that) i left on the table: the subject and its verb say nothing more."""
         if self._text(k) not in _SUBJECTS:
             return False
         k += 1
@@ -133,7 +133,7 @@ class NounTagger(Cursor):
         return True
 
     def _place_has(self) -> bool:
-        """Does the kitchen have an island, how many windows does the hall have."""
+        """Read does the kitchen have an island, how many windows does the hall have."""
         k = self.i
         while self._text(k) in DETERMINERS or self._text(k) in OWNERS:
             k += 1
@@ -317,5 +317,5 @@ class NounTagger(Cursor):
         return False
 
     def _moves(self, k: int) -> bool:
-        """Whether the verb at `k` has no object: the dog that went is itself the thing asked for."""
+        """Whether the verb at `k` has no object: the dog that went is the thing asked for."""
         return not any(self._noun_phrase_at(j) for j in range(k + 1, min(k + 4, len(self.words))))

@@ -54,9 +54,9 @@ def breaks(words: list[Word], k: int) -> bool:
     if text in known.breakers:
         return True
     for parts, terminal in known.by_first.get(text, ()):
-        if terminal.startswith("REL") or terminal in _CUTTING:
-            if all(k + j < len(words) and words[k + j].text == p for j, p in enumerate(parts)):
-                return True
+        cuts = terminal.startswith("REL") or terminal in _CUTTING
+        if cuts and [w.text for w in words[k : k + len(parts)]] == [*parts]:
+            return True
     return False
 
 
@@ -67,6 +67,7 @@ def spoken() -> tuple[str, ...]:
 
 @lru_cache(maxsize=16)
 def by_first(said: tuple[str, ...]) -> dict[str, list[tuple[str, ...]]]:
+    """Return phrases by their first word, longest first."""
     found: dict[str, list[tuple[str, ...]]] = {}
     for phrase in said:
         parts = tuple(phrase.split())

@@ -12,7 +12,7 @@ from lark.exceptions import UnexpectedInput
 
 from grammar import clock, lalr, scope, speech, tagger, timespan
 from grammar.cursor import TIME_GAP, Tagged
-from grammar.days import TimeAmbiguity
+from grammar.days import TimeAmbiguityError, TimeError
 from grammar.errors import Ambiguous, NotUnderstood, OutOfScope, QuestionError
 from grammar.forms import FormalQuery, ObjectTerm, TimeSlice
 from grammar.meaning import Meaning, MeaningError, query, readings
@@ -96,7 +96,7 @@ def month_first(now: datetime) -> bool | None:
 
 
 def capped(text: str) -> list[Word]:
-    """Return the words of a text; raises NotUnderstood for one that is too long to be a question."""
+    """Return the words of a text; raises NotUnderstood for one too long to be a question."""
     if len(text) > MAX_CHARACTERS:
         raise NotUnderstood(
             text, MAX_CHARACTERS, f"The question is longer than {MAX_CHARACTERS} characters."
@@ -165,19 +165,16 @@ class Reading:
     def parsed(self, found: Terminals, start: str) -> Any:
         """Parse the terminals from the rule `start`."""
         tags = found.tagged.tags
-        tokens = [
-            Token(t.type, t.value, start_pos=i)  # type: ignore[arg-type]  # lark takes any value
-            for i, t in enumerate(tags)
-        ]
+        tokens = [Token(t.type, t.value, start_pos=i) for i, t in enumerate(tags)]
         try:
-            return _parser().parse(tokens, start=start)  # type: ignore[arg-type]
+            return _parser().parse(tokens, start=start)
         except MeaningError as error:
             raise self._refused(error, found.words) from error
         except UnexpectedInput as error:
             token = getattr(error, "token", None)
             index = getattr(token, "start_pos", None)
-            at_end = token is None or token.type == "$END" or index is None
-            word = None if at_end else tags[index].word
+            at_end = token is None or token.type == "$END"
+            word = None if at_end or index is None else tags[index].word
             raise scope.unread(self.text, found.words, word, found.tagged, self.lexicon) from error
 
     def finished(self, meaning: Meaning, found: Terminals) -> FormalQuery:
@@ -207,9 +204,9 @@ class Reading:
         first = words[times[0].first]
         try:
             return rest, clock.resolve(timespan.joined(times), self.now, month_first(self.now))
-        except TimeAmbiguity as error:
+        except TimeAmbiguityError as error:
             raise self._ambiguous_date(words, error) from error
-        except clock.TimeError as error:
+        except TimeError as error:
             said = self.text[first.start : words[times[-1].last - 1].end]
             raise NotUnderstood(
                 self.text,
@@ -218,7 +215,7 @@ class Reading:
                 suggestions(rest, self.lexicon),
             ) from error
 
-    def _ambiguous_date(self, words: list[Word], error: TimeAmbiguity) -> QuestionError:
+    def _ambiguous_date(self, words: list[Word], error: TimeAmbiguityError) -> QuestionError:
         """Return both readings of a date in digits, each spelled with its month's name."""
         date = next(w for w in words if timespan.is_slashed(w.text))
         spelled: list[str] = []

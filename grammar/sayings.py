@@ -45,6 +45,7 @@ class Phrases:
 
 @lru_cache(maxsize=1)
 def sections() -> dict[str, Phrases]:
+    """Return the phrases of speech.txt by section; read once."""
     found: dict[str, Phrases] = {}
     for name, said in files.sections("speech.txt").items():
         by_first: dict[str, list[tuple[str, ...]]] = {}

@@ -160,7 +160,7 @@ def _excused(opening: tuple[str, ...], texts: list[str], it: ObjectTerm | None) 
 
 
 def _commanded(texts: list[str], lexicon: Lexicon) -> bool:
-    """Whether the first word orders something done: `turn on the lights`, not `watch on the bed`."""
+    """Whether the first word is an order: `turn on the lights`, not `watch on the bed`."""
     if len(texts) < 2 or texts[0] not in _lists()["command"]:
         return False
     if lexicon.known_noun(texts[0]) or texts[0] in lexicon.attributes:
@@ -168,14 +168,16 @@ def _commanded(texts: list[str], lexicon: Lexicon) -> bool:
     return True
 
 
+_NEXT = words_of(
+    "week month year monday tuesday wednesday thursday friday saturday sunday weekend day time"
+)
+
+
 def _future(texts: list[str]) -> int | None:
     for i, text in enumerate(texts):
         if text in ("will", "shall", "tomorrow", "gonna"):
             return i
-        if text == "next" and texts[i + 1 : i + 2] and texts[i + 1] in (
-            "week", "month", "year", "monday", "tuesday", "wednesday", "thursday", "friday", "saturday",
-            "sunday", "weekend", "day", "time",
-        ):  # fmt: skip
+        if text == "next" and texts[i + 1 : i + 2] and texts[i + 1] in _NEXT:
             return i
         if (
             text == "going"

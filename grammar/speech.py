@@ -74,9 +74,9 @@ def plain(words: list[Word], lexicon: Lexicon) -> list[Word]:
 
 def _heard(words: list[Word]) -> list[Word]:
     """Return the words with a `where` that a recogniser spelled as it sounds."""
-    if len(words) > 2 and words[0].text in ("wear", "ware", "were", "we're"):
-        if words[1].text in ("is", "are", "did", "was", "have"):
-            return [replace(words[0], text="where"), *words[1:]]
+    sounds = len(words) > 2 and words[0].text in ("wear", "ware", "were", "we're")
+    if sounds and words[1].text in ("is", "are", "did", "was", "have"):
+        return [replace(words[0], text="where"), *words[1:]]
     return words
 
 
@@ -208,6 +208,6 @@ def _closed(words: list[Word]) -> list[Word]:
 
 
 def _tag(words: list[Word], count: int) -> bool:
-    """Whether an auxiliary with a pronoun at the end is a tag (`, isn't it`) and no clause of its own."""
+    """Whether an auxiliary and a pronoun at the end are a tag (`, isn't it`), no clause."""
     rest = words[:-count]
     return (len(rest) >= 3 and any(w.text in AUXILIARIES for w in rest)) or rest[-1].text == ","

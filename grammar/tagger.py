@@ -30,7 +30,7 @@ def tag(words: list[Word], lexicon: Lexicon, it: ObjectTerm | None = None) -> Ta
 class Tagger(NounTagger):
     """One pass over the words of a sentence."""
 
-    # -- the pass --------------------------------------------------------------------------------
+    # -- the pass
 
     def run(self) -> Tagged:
         """Tag every word; what nothing reads becomes UNKNOWN, which no rule takes."""
@@ -64,7 +64,7 @@ class Tagger(NounTagger):
             return self._or()
         return False
 
-    # -- phrases -----------------------------------------------------------------------------------
+    # -- phrases
 
     def _phrase(self) -> bool:
         for parts, terminal in phrases().by_first.get(self._text(self.i), ()):
@@ -147,9 +147,9 @@ class Tagger(NounTagger):
             and (self._open_at(following) or self._text(following) in numbers.CARDINALS)
         ):
             terminal = "_WHICH"
-        if terminal == "_WHICH" and not self._noun_phrase_at(following):
-            if self._text(following) not in ("one", "ones"):
-                return False
+        named = self._noun_phrase_at(following) or self._text(following) in ("one", "ones")
+        if terminal == "_WHICH" and not named:
+            return False
         if terminal == "_HOWMANY" and said == "count" and self.out.tags:
             return False
         self._emit(terminal, said, size)
@@ -304,10 +304,10 @@ class Tagger(NounTagger):
         self._emit(terminal, said, size)
         return True
 
-    # -- the rest ------------------------------------------------------------------------------------
+    # -- the rest
 
     def _plain(self) -> bool:
-        """Determiners, numbers, pronouns and the open words of noun phrases."""
+        """Tag determiners, numbers, pronouns and the open words of noun phrases."""
         text = self._text(self.i)
         if text in PRONOUNS and not self._open_at(self.i + 1) and self.it is not None:
             self._emit("NOUN", Noun(self.it.category, self.it.word, True, self.it), 1)

@@ -44,6 +44,7 @@ class Passive:
 
 
 def items_of(words: tuple[Any, ...]) -> tuple[Item, ...]:
+    """Return the items of the tails among `words`."""
     tails = (w.items if isinstance(w, Passive) else w for w in words)
     return tuple(item for tail in tails if isinstance(tail, tuple) for item in tail)
 
@@ -83,11 +84,11 @@ class Terms(Transformer[Token, Any]):
 
     def link(self, token: Token) -> tuple[RelationKind, bool]:
         """link: REL."""
-        return (token.value, False)  # type: ignore[return-value]
+        return (token.value, False)
 
     def link_not(self, token: Token) -> tuple[RelationKind, bool]:
         """link: THAT_NOT_REL."""
-        return (token.value, True)  # type: ignore[return-value]
+        return (token.value, True)
 
     def at_place(self, token: Token) -> AtPlace:
         """item: AT_PLACE."""
@@ -131,7 +132,7 @@ class Terms(Transformer[Token, Any]):
 
     def quantity(self, token: Token) -> Change:
         """pre: NUMBER."""
-        return Change(quantity=token.value)  # type: ignore[arg-type]
+        return Change(quantity=token.value)
 
     def attribute(self, token: Token) -> Change:
         """pre: ATTR."""
@@ -177,7 +178,7 @@ class Terms(Transformer[Token, Any]):
 
 
 def _part(tokens: tuple[Token, ...]) -> tuple[str, ...]:
-    """Return `red`, `striped` for red stripes, but `white shade` for a part that has its own look."""
+    """Return `red`, `striped` for red stripes, but `white shade` for a part with its own look."""
     words = tuple(_said(t) for t in tokens if t.type != "DET")
     return words if isinstance(tokens[-1].value, Pattern) else (" ".join(words),)
 

@@ -13,7 +13,7 @@ def tidied(tags: list[Tag]) -> list[Tag]:
 
 
 def _commas(tags: list[Tag]) -> list[Tag]:
-    """A comma between nouns of a list is an `and`; any other is nothing."""
+    """Make a comma between nouns of a list an `and`, and drop any other."""
     out: list[Tag] = []
     for i, tag_ in enumerate(tags):
         if tag_.type != "COMMA":
@@ -76,7 +76,7 @@ def _things_described(tags: list[Tag]) -> list[Tag]:
 
 
 def _predicates(tags: list[Tag]) -> list[Tag]:
-    """An attribute after its noun, with no `that is`, is said of it: `is the cup red`."""
+    """Tell the attribute that is said of a noun: `is the cup red`."""
     out: list[Tag] = []
     for i, tag_ in enumerate(tags):
         if tag_.type == "ATTR" and isinstance(tag_.value, Attribute):

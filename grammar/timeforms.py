@@ -38,7 +38,7 @@ class Days:
 
 @dataclass(frozen=True, slots=True)
 class Weekday:
-    """A day of the week, Monday 0. which: gone (today counts), last (it does not) or this week's."""
+    """A day of the week, Monday 0. which: gone (today counts), last (it does not), this week's."""
 
     number: int
     which: Literal["gone", "last", "this"] = "gone"

@@ -6,12 +6,35 @@ import re
 
 from grammar import numbers
 from grammar import timewords as tw
-from grammar.closed import is_open
+from grammar.closed import is_open, words_of
 from grammar.timenumbers import NumberReader, TimeToken
 
 _MAX_PHRASE = max(len(phrase.split()) for phrase in (*tw.PHRASES, *tw.HOLIDAYS))
 
 _DECADE = re.compile(r"(\d{3}0)s?$")
+
+_LEADS_PART = words_of(
+    "the at in this last early late by yesterday that of on all during evening every"
+)
+_LEADS_THE_PART = words_of("in during since of through at before after until all for over")
+_BEFORE_PART = [
+    "WEEKDAY",
+    "DAYS",
+    "DATE",
+    "DAY_AFTER",
+    "MONTH_OF",
+    "MERIDIEM",
+    "HOUR",
+    "MINUTE",
+    "ORD",
+    "EDGE",
+    "_AGO",
+    "HOLIDAY",
+    "YEAR_OF",
+    "_OCLOCK",
+    "_AND",
+    "_TO",
+]
 
 
 def tokenise(words: list[str]) -> list[TimeToken | None]:
@@ -54,9 +77,10 @@ class _Reader(NumberReader):
         if self.word not in ("past", "last", "previous", "preceding", "recent"):
             return None
         following = self._at(1)
-        if self.word == "last" and self._at(2) == "of" and self._at(3) not in ("this", "last"):
-            if following in ("day", "week", "weekend", "month") or following in tw.WEEKDAY_NUMBER:
-                return self._make("NTH", -1, 1)
+        counted = following in ("day", "week", "weekend", "month", *tw.WEEKDAY_NUMBER)
+        inside = self._at(2) == "of" and self._at(3) not in ("this", "last")
+        if self.word == "last" and counted and inside:
+            return self._make("NTH", -1, 1)
         if following in tw.UNITS and following != "night":
             unit = tw.UNITS[following]
             article = self._at(-1) in ("the", "this") and self._at(-2) != "of"
@@ -194,13 +218,9 @@ class _Reader(NumberReader):
             ):
                 return None
             return None if self._noun(self._at(1)) else self._make("PART", part, 1)
-        led = self._at(-1) in ("the", "at", "in", "this", "last", "early", "late", "by", "yesterday", "that",
-                               "of", "on", "all", "during", "evening", "every")  # fmt: skip
-        if led or self._is("WEEKDAY", "DAYS", "DATE", "DAY_AFTER", "MONTH_OF", "MERIDIEM", "HOUR", "MINUTE",
-                           "ORD", "EDGE", "_AGO", "HOLIDAY", "YEAR_OF", "_OCLOCK", "_AND", "_TO"):  # fmt: skip
+        if self._at(-1) in _LEADS_PART or self._is(*_BEFORE_PART):
             following = self._at(1)
-            alone = self._at(-1) == "the" and self._at(-2) not in ("in", "during", "since", "of", "through",
-                                                                  "at", "before", "after", "until", "all", "for", "over")  # fmt: skip
+            alone = self._at(-1) == "the" and self._at(-2) not in _LEADS_THE_PART
             if alone and self._noun(following):
                 return None
             return self._make("PART", part, 1)

@@ -104,7 +104,7 @@ class NumberReader:
         return self._make("CMIN", value, count)
 
     def _turns(self, count: int, value: int) -> bool:
-        """Whether `past` or `to` at `count`, and then an hour, make these the minutes of a clock."""
+        """Whether `past` or `to` at `count`, and an hour after it, make these minutes."""
         turn, hour = self._at(count), self._at(count + 1)
         if turn not in ("past", "to", "after", "before", "till", "til", "of"):
             return False
@@ -118,7 +118,7 @@ class NumberReader:
             return value in (5, 10, 15, 20, 25, 30)
         opened = any(t is not None and t.type == "_FROM" for t in self.before)
         if opened and not any(t is not None and t.type == "_TO" for t in self.before):
-            # "from ten to three" is a range unless a second `to` follows: "from ten to three to four"
+            # "from ten to three" is a range unless a second `to` follows it
             rest = self.words[self.i + count + 2 :]
             return value == 15 or any(w in ("to", "until", "till") for w in rest)
         after = self._at(count + 1 + (number[1] if number else 1))

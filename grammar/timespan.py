@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Any
 
 from lark import Lark, Token
 from lark.exceptions import UnexpectedInput
@@ -12,7 +13,8 @@ from lark.exceptions import UnexpectedInput
 from grammar import lalr
 from grammar.closed import is_open
 from grammar.timeforms import Date, SpokenTime
-from grammar.timelexer import TimeToken, tokenise
+from grammar.timelexer import tokenise
+from grammar.timenumbers import TimeToken
 from grammar.timetransform import TimeForms
 from grammar.timewords import MONTHS
 
@@ -133,9 +135,10 @@ def _longest(run: list[TimeToken], start: int, words: list[str]) -> tuple[Spoken
 
 def _parse(tokens: list[TimeToken]) -> tuple[SpokenTime | None, int]:
     """Parse the tokens; without success, return how many of them could be read."""
-    typed = [Token(t.type, t.value, start_pos=i) for i, t in enumerate(tokens)]  # type: ignore[arg-type]
+    typed = [Token(t.type, t.value, start_pos=i) for i, t in enumerate(tokens)]
     try:
-        return _parser().parse(typed), len(tokens)  # type: ignore[arg-type, return-value]
+        said: Any = _parser().parse(typed)  # its transformer makes a SpokenTime of the tree
+        return said, len(tokens)
     except UnexpectedInput as error:
         token = getattr(error, "token", None)
         position = getattr(token, "start_pos", None)

@@ -104,7 +104,7 @@ class TimeForms(Transformer[Token, Any]):
 
     def edge(self, token: Token) -> Edge:
         """piece: EDGE."""
-        return Edge(token.value)  # type: ignore[arg-type]
+        return Edge(token.value)
 
     def part(self, token: Token) -> Part:
         """piece: PART."""

@@ -63,97 +63,97 @@ class Meanings(Terms):
     """question.lark -> Meaning."""
 
     def start(self, meaning: Meaning) -> Meaning:
-        """start: question."""
+        """Rule start: question."""
         return meaning
 
     # -- fragments -------------------------------------------------------------------------------
 
     def only_things(self, things: Things) -> Meaning:
-        """fragment: things."""
+        """Rule fragment: things."""
         return Meaning(None, things)
 
     def only_tail(self, items: tuple[Item, ...]) -> Meaning:
-        """fragment: tail."""
+        """Rule fragment: tail."""
         return Meaning(None, Things(None, items))
 
     def only_changes(self, *words: Any) -> Meaning:
-        """fragment: DET? OWNER? pre+ | DET? OWNER | DET? OWNER? post."""
+        """Rule fragment: DET? OWNER? pre+ | DET? OWNER | DET? OWNER? post."""
         nothing = Noun(ANYTHING, "thing", known=False)
         return Meaning(None, Things(Group((self.term(nothing, words),))))
 
     def asking_where(self) -> Meaning:
-        """fragment: _WHERE."""
+        """Rule fragment: _WHERE."""
         return Meaning("where")
 
     def asking_when(self) -> Meaning:
-        """fragment: _WHEN."""
+        """Rule fragment: _WHEN."""
         return Meaning("when")
 
     def asking_count(self) -> Meaning:
-        """fragment: _HOWMANY."""
+        """Rule fragment: _HOWMANY."""
         return Meaning("count")
 
     def asking_how_long(self) -> Meaning:
-        """fragment: _HOWLONG."""
+        """Rule fragment: _HOWLONG."""
         return Meaning("how_long")
 
     def asking_how_often(self) -> Meaning:
-        """fragment: _HOWOFTEN."""
+        """Rule fragment: _HOWOFTEN."""
         return Meaning("how_often")
 
     # -- where, when ---------------------------------------------------------------------------
 
     def where_act(self, *words: Any) -> Meaning:
-        """where: _WHERE aux WHO act things."""
+        """Rule where: _WHERE aux WHO act things."""
         newest = _acts(words) != "SEE" or _aux(words) == "can"
         return Meaning("where", _things(words), newest=newest)
 
     def where_is(self, *words: Any) -> Meaning:
-        """where: _WHERE aux things passive?."""
+        """Rule where: _WHERE aux things passive?."""
         _happened(words)
         return Meaning("where", _things(words), newest=_aux(words) != "past")
 
     def where_within(self, place: Token, *words: Any) -> Meaning:
-        """where: _WHERE AT_PLACE aux things passive?."""
+        """Rule where: _WHERE AT_PLACE aux things passive?."""
         meaning: Meaning = self.where_is(*words)
         return replace(meaning, things=meaning.things.with_items((AtPlace(str(place.value)),)))
 
     def when_act(self, *words: Any) -> Meaning:
-        """when: _WHEN aux WHO act things."""
+        """Rule when: _WHEN aux WHO act things."""
         return Meaning("when", _things(words))
 
     def when_is(self, *words: Any) -> Meaning:
-        """when: _WHEN aux things passive?."""
+        """Rule when: _WHEN aux things passive?."""
         _happened(words)
         return Meaning("when", _things(words))
 
     def moved_when(self, *words: Any) -> Meaning:
-        """when: _WHEN aux things MOVED tail?."""
+        """Rule when: _WHEN aux things MOVED tail?."""
         return Meaning("moved", _things(words))
 
     # -- whether ---------------------------------------------------------------------------------
 
     def whether_act(self, *words: Any) -> Meaning:
-        """whether: aux WHO act things."""
+        """Rule whether: aux WHO act things."""
         act = _acts(words)
         if act == "FINDS" and _aux(words) == "can":
             return Meaning("where", _things(words), newest=True)
         return Meaning("whether", _things(words))
 
     def whether_in(self, _aux: Aux, place: Token, _have: Token, things: Things) -> Meaning:
-        """whether: aux AT_PLACE HAVE things."""
+        """Rule whether: aux AT_PLACE HAVE things."""
         return Meaning("whether", things.with_items((AtPlace(str(place.value)),)))
 
     def count_in(self, things: Things, _aux: Aux, place: Token, _have: Token) -> Meaning:
-        """count: _HOWMANY things aux AT_PLACE HAVE."""
+        """Rule count: _HOWMANY things aux AT_PLACE HAVE."""
         return Meaning("count", things.with_items((AtPlace(str(place.value)),)))
 
     def whether_there(self, *words: Any) -> Meaning:
-        """whether: aux THERE things."""
+        """Rule whether: aux THERE things."""
         return Meaning("whether", _things(words))
 
     def whether_is(self, *words: Any) -> Meaning:
-        """whether: aux things."""
+        """Rule whether: aux things."""
         things = _things(words)
         if _aux(words) in ("did", "do", "can", "have"):
             raise MeaningError("it asks what a thing does")
@@ -162,122 +162,122 @@ class Meanings(Terms):
         return Meaning("whether", things)
 
     def whether_tail(self, *words: Any) -> Meaning:
-        """whether: _WHETHER things aux tail."""
+        """Rule whether: _WHETHER things aux tail."""
         return Meaning("whether", _things(words))
 
     def whether_attribute(self, *words: Any) -> Meaning:
-        """whether: aux things PREDICATE+."""
+        """Rule whether: aux things PREDICATE+."""
         return Meaning("whether", _described(_things(words), _predicates(words)))
 
     # -- what, which -----------------------------------------------------------------------------
 
     def what_tail(self, *words: Any) -> Meaning:
-        """what: _WHAT aux tail."""
+        """Rule what: _WHAT aux tail."""
         things = _things(words)
         if all(isinstance(item, SideBySide) for item in things.items):
             raise MeaningError("it names no thing")
         return Meaning("what", things)
 
     def what_passive(self, *words: Any) -> Meaning:
-        """what: _WHAT aux passive."""
+        """Rule what: _WHAT aux passive."""
         return Meaning("what", _things(words))
 
     def what_is(self, *words: Any) -> Meaning:
-        """what: _WHAT aux things."""
+        """Rule what: _WHAT aux things."""
         things = _things(words)
         if not any(isinstance(item, Related | AtPlace) for item in things.items):
             raise MeaningError("it asks what a thing is")
         return Meaning("what", things)
 
     def what_act(self, *words: Any) -> Meaning:
-        """what: _WHAT aux WHO act tail?."""
+        """Rule what: _WHAT aux WHO act tail?."""
         return Meaning("what", _things(words))
 
     def shown(self, *words: Any) -> Meaning:
-        """what: _SHOW things."""
+        """Rule what: _SHOW things."""
         return Meaning("what", _things(words))
 
     def which_tail(self, *words: Any) -> Meaning:
-        """which: _WHICH things aux tail."""
+        """Rule which: _WHICH things aux tail."""
         return Meaning("what", _things(words))
 
     def which_act(self, *words: Any) -> Meaning:
-        """which: _WHICH things aux WHO act tail?."""
+        """Rule which: _WHICH things aux WHO act tail?."""
         return Meaning("what", _things(words))
 
     def which_attribute(self, *words: Any) -> Meaning:
-        """which: _WHICH things aux PREDICATE+."""
+        """Rule which: _WHICH things aux PREDICATE+."""
         return Meaning("what", _described(_things(words), _predicates(words)))
 
     # -- how many, how long, how often -------------------------------------------------------------
 
     def count(self, *words: Any) -> Meaning:
-        """count: _HOWMANY things."""
+        """Rule count: _HOWMANY things."""
         return Meaning("count", _things(words))
 
     def count_tail(self, *words: Any) -> Meaning:
-        """count: _HOWMANY things aux THERE? tail?."""
+        """Rule count: _HOWMANY things aux THERE? tail?."""
         return Meaning("count", _things(words))
 
     def count_act(self, *words: Any) -> Meaning:
-        """count: _HOWMANY things aux WHO act? tail?."""
+        """Rule count: _HOWMANY things aux WHO act? tail?."""
         return Meaning("count", _things(words))
 
     def count_attribute(self, *words: Any) -> Meaning:
-        """count: _HOWMANY things aux PREDICATE+."""
+        """Rule count: _HOWMANY things aux PREDICATE+."""
         return Meaning("count", _described(_things(words), _predicates(words)))
 
     def how_long(self, *words: Any) -> Meaning:
-        """lasting: _HOWLONG aux things passive?."""
+        """Rule lasting: _HOWLONG aux things passive?."""
         things = _things(words)
         if not things.items and not _acts(words) and _aux(words) in ("present", "past"):
             raise MeaningError("it asks for a size")
         return Meaning("how_long", things)
 
     def how_long_act(self, *words: Any) -> Meaning:
-        """lasting: _HOWLONG aux WHO act things."""
+        """Rule lasting: _HOWLONG aux WHO act things."""
         return Meaning("how_long", _things(words))
 
     def how_often(self, *words: Any) -> Meaning:
-        """often: _HOWOFTEN aux things passive?."""
+        """Rule often: _HOWOFTEN aux things passive?."""
         _happened(words)
         return Meaning("how_often", _things(words))
 
     def how_often_act(self, *words: Any) -> Meaning:
-        """often: _HOWOFTEN aux WHO act things."""
+        """Rule often: _HOWOFTEN aux WHO act things."""
         return Meaning("how_often", _things(words))
 
     # -- moved, missing, said -------------------------------------------------------------------
 
     def what_moved(self, *words: Any) -> Meaning:
-        """moved: _WHAT aux? MOVED tail?."""
+        """Rule moved: _WHAT aux? MOVED tail?."""
         return Meaning("moved", _things(words))
 
     def things_moved(self, *words: Any) -> Meaning:
-        """moved: aux things MOVED tail?."""
+        """Rule moved: aux things MOVED tail?."""
         return Meaning("moved", _things(words))
 
     def what_missing(self, *words: Any) -> Meaning:
-        """missing: _WHAT aux MISSING tail?."""
+        """Rule missing: _WHAT aux MISSING tail?."""
         return Meaning("missing", _things(words))
 
     def things_missing(self, *words: Any) -> Meaning:
-        """missing: aux things MISSING tail?."""
+        """Rule missing: aux things MISSING tail?."""
         return Meaning("missing", _things(words))
 
     def anything_missing(self, *words: Any) -> Meaning:
-        """missing: aux passive."""
+        """Rule missing: aux passive."""
         raise MeaningError("it names no thing", state=False)
 
     def lost(self, *words: Any) -> Meaning:
-        """said: things aux? MISSING tail?."""
+        """Rule said: things aux? MISSING tail?."""
         return Meaning("where", _things(words), newest=True)
 
     def short(self, things: Things) -> Meaning:
-        """said: things."""
+        """Rule said: things."""
         return Meaning("where", things, newest=True)
 
     def told(self, *words: Any) -> Meaning:
-        """said: WHO aux? act things."""
+        """Rule said: WHO aux? act things."""
         seen = isinstance(words[0], Token) and words[0].value in ("you", "u", "ya")
         return Meaning("whether" if seen else "where", _things(words), newest=True)
