@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import sqlite3
 from pathlib import Path
+from time import monotonic, sleep
 
 from d3a.store import schema
 from d3a.store.base import StoreError, StoreUnreachable
@@ -12,6 +13,7 @@ from d3a.store.schema import APPLICATION_ID, Migration
 from d3a.store.sqlite import SqliteStore, connect
 
 MIGRATIONS: tuple[Migration, ...] = ()
+BUSY_S = 10.0
 _OLDEST = (3, 24, 0)  # the first with upserts
 
 
@@ -86,13 +88,27 @@ def _prepare(
         if not create:
             raise StoreError("the file is empty; ingest a recording to fill it")
         connection.execute("PRAGMA page_size = 8192")
-        connection.execute("PRAGMA journal_mode = WAL")
+        _use_log(connection)
         version = 0
     schema.refuse_future(version, newest)
     if version < newest and read_only:
         raise StoreError(f"it has the old schema {version}; open it once for writing")
     if version < newest:
         _upgrade(connection, migrations)
+
+
+def _use_log(connection: sqlite3.Connection) -> None:
+    """Switch to the write-ahead log; SQLite does not wait for another process that does the same."""
+    deadline = monotonic() + BUSY_S
+    while True:
+        try:
+            connection.execute("PRAGMA journal_mode = WAL")
+        except sqlite3.OperationalError as error:
+            if error.sqlite_errorcode != sqlite3.SQLITE_BUSY or monotonic() > deadline:
+                raise
+            sleep(0.01)
+        else:
+            return
 
 
 def _upgrade(connection: sqlite3.Connection, migrations: tuple[Migration, ...]) -> None:
