@@ -10,10 +10,9 @@ from time import monotonic, sleep
 from d3a.store import schema
 from d3a.store.base import StoreError, StoreUnreachable
 from d3a.store.schema import APPLICATION_ID, Migration
-from d3a.store.sqlite import SqliteStore, connect
+from d3a.store.sqlite import BUSY_TIMEOUT_S, SqliteStore, connect
 
 MIGRATIONS: tuple[Migration, ...] = ()
-BUSY_S = 10.0
 _OLDEST = (3, 24, 0)  # the first with upserts
 
 
@@ -98,8 +97,8 @@ def _prepare(
 
 
 def _use_log(connection: sqlite3.Connection) -> None:
-    """Switch to the write-ahead log; SQLite does not wait for another process that does the same."""
-    deadline = monotonic() + BUSY_S
+    """Switch to the write-ahead log; SQLite itself does not wait for another that does so."""
+    deadline = monotonic() + BUSY_TIMEOUT_S
     while True:
         try:
             connection.execute("PRAGMA journal_mode = WAL")
