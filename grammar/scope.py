@@ -154,6 +154,8 @@ def _excused(opening: tuple[str, ...], texts: list[str], it: ObjectTerm | None) 
         )
     if opening == ("what", "are", "you"):
         return after[:1] == ["seeing"]
+    if opening == ("how", "much"):
+        return after[:1] == ["time"]
     if opening in (("can", "i"), ("may", "i"), ("could", "i")):
         return after[:1] == ["see"]
     return False

@@ -146,7 +146,7 @@ def _opened(words: list[Word]) -> list[Word]:
             i += 1
             continue
         count = seek.at(words, i)
-        if count and i + count < len(words):
+        if count and i + count < len(words) and words[i + count].text != "to":
             return [Word(SEEK, words[i].start, words[i + count - 1].end), *words[i + count :]]
         count = wake.at(words, i)
         if count and not _said_in_earnest(words, i, count):

@@ -35,7 +35,10 @@ class _Mentioned:
 def _nouns(words: list[Word], lexicon: Lexicon) -> list[_Mentioned]:
     """Return the known nouns of the words with a determiner, as they were said."""
     reader = NounReader(lexicon, breaks)
-    abstract = files.sections("scope.txt")["abstract"]
+    lists = files.sections("scope.txt")
+    unseen = {*lists["abstract"], *lists["medium"]}
+    if words and words[0].text in lists["command"]:
+        words = words[1:]
     found: list[_Mentioned] = []
     i = 0
     while i < len(words):
@@ -46,7 +49,7 @@ def _nouns(words: list[Word], lexicon: Lexicon) -> list[_Mentioned]:
         start, i = i, parts[-1][2]
         attributes = [p.said for p, _, _ in parts if isinstance(p, Attribute) and p.kind != "other"]
         nouns = [(p, a, b) for p, a, b in parts if isinstance(p, Noun) and p.known]
-        if not nouns or nouns[0][0].category == ANYTHING or nouns[0][0].said in abstract:
+        if not nouns or nouns[0][0].category == ANYTHING or nouns[0][0].said in unseen:
             continue
         noun, first, last = nouns[0]
         as_said = " ".join(w.text for w in words[first:last])

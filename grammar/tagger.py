@@ -287,6 +287,9 @@ class Tagger(NounTagger):
             return False
         if not self.out.tags:
             return False
+        if terminal == "LEAVE" and self._participle(self.i + size):
+            self.i += size
+            return True
         if terminal == "GO" and not (
             self._has("_WHERE") or self._has("_HOWLONG") or self._has("_HOWOFTEN")
         ):
@@ -303,6 +306,11 @@ class Tagger(NounTagger):
             return False
         self._emit(terminal, said, size)
         return True
+
+    def _participle(self, following: int) -> bool:
+        """Whether a verb of leaving only says how a thing is there: `seen hidden behind the box`."""
+        said = self._last() == "THERE" or any(t.type == "SEE" for t in self.out.tags)
+        return said and (self._relation_at(following) or self._text(following) == "in")
 
     # -- the rest
 

@@ -8,8 +8,17 @@ from grammar.nouns import PREDICATES, Attribute, Noun
 
 def tidied(tags: list[Tag]) -> list[Tag]:
     """Return the terminals with what only both neighbours tell."""
-    tags = _things_described(_joined_attributes(_commas(tags)))
+    tags = _things_described(_joined_attributes(_commas(_fronted(tags))))
     return _predicates(tags)
+
+
+def _fronted(tags: list[Tag]) -> list[Tag]:
+    """Put a place that is said first after the question: `in the hall were the keys on the hook`."""
+    if len(tags) < 2 or tags[0].type != "AT_PLACE":
+        return tags
+    first = 2 if tags[1].type == "COMMA" else 1
+    asks = first < len(tags) and (tags[first].type in ("BE", "AUX") or tags[first].type[0] == "_")
+    return [*tags[first:], tags[0]] if asks else tags
 
 
 def _commas(tags: list[Tag]) -> list[Tag]:

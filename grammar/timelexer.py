@@ -17,24 +17,10 @@ _LEADS_PART = words_of(
     "the at in this last early late by yesterday that of on all during evening every"
 )
 _LEADS_THE_PART = words_of("in during since of through at before after until all for over")
-_BEFORE_PART = [
-    "WEEKDAY",
-    "DAYS",
-    "DATE",
-    "DAY_AFTER",
-    "MONTH_OF",
-    "MERIDIEM",
-    "HOUR",
-    "MINUTE",
-    "ORD",
-    "EDGE",
-    "_AGO",
-    "HOLIDAY",
-    "YEAR_OF",
-    "_OCLOCK",
-    "_AND",
-    "_TO",
-]
+_BEFORE_PART = words_of(
+    "WEEKDAY DAYS DATE DAY_AFTER MONTH_OF MERIDIEM HOUR MINUTE ORD EDGE _AGO HOLIDAY YEAR_OF "
+    "_OCLOCK _AND _TO"
+)
 
 
 def tokenise(words: list[str]) -> list[TimeToken | None]:

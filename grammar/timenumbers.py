@@ -239,6 +239,8 @@ class NumberReader:
         following = self._at(count)
         if following == "more":
             following = self._at(count + 1)
+        if value == 1 and following == "day" and self._at(count + 1) in ("last", "this", "in"):
+            return self._make("LINK", "one day", count + 1)
         if following in tw.UNITS:
             if value >= 100 and following == "hours":
                 return None

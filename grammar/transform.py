@@ -155,7 +155,7 @@ class Meanings(Terms):
     def whether_is(self, *words: Any) -> Meaning:
         """Rule whether: aux things."""
         things = _things(words)
-        if _aux(words) in ("did", "do", "can", "have"):
+        if _aux(words) in ("did", "do", "can"):
             raise MeaningError("it asks what a thing does")
         if not things.items:
             raise MeaningError("it does not say where or in what relation")
