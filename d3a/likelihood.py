@@ -94,7 +94,7 @@ class LookModel:
         slope = np.maximum(means[:, SAME] - means[:, OTHER], 0.0) / np.maximum(variance, 1e-4)
         even = means.mean(axis=1)
         raw = slope[bins] * (likeness - even[bins])
-        return np.clip(raw, self._parameters.look_least, self._parameters.look_most)
+        return np.asarray(np.clip(raw, self._parameters.look_least, self._parameters.look_most))
 
 
 @dataclass(slots=True)

@@ -216,7 +216,7 @@ class Matcher:
         looks = self._memory.looks.rows(things)
         if observed.looks.shape[1] == 0 or looks.shape[1] == 0:
             return nothing, None
-        known = observed.looks.any(axis=1)[:, None] & looks.any(axis=1)[None]
+        known = np.any(observed.looks, axis=1, keepdims=True) & np.any(looks, axis=1)
         likeness = np.where(known, (observed.looks @ looks.T).astype(np.float64), np.nan)
         views = np.array([thing.look_weight for thing in things])
         return np.nan_to_num(self.looks.ratios(likeness, views), nan=0.0), likeness

@@ -176,7 +176,7 @@ def _cosines(rows: Sequence[Member], columns: Sequence[Member]) -> Floats:
         return np.stack([none if e is None else e for e in embeddings])
 
     left, right = stack(rows), stack(columns)
-    known = left.any(axis=1)[:, None] & right.any(axis=1)[None]
+    known = np.any(left, axis=1, keepdims=True) & np.any(right, axis=1)
     return np.where(known, (left @ right.T).astype(np.float64), 1.0)
 
 
