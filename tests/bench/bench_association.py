@@ -19,7 +19,7 @@ import numpy as np
 from assistant.evaluation import exp1, exp2
 from assistant.evaluation.commands import parse_seeds
 from assistant.evaluation.exp2 import Outcome
-from assistant.evaluation.methods import D3A_D, NAIVE, NAIVE_PLUS, OURS, Method, filled
+from assistant.evaluation.methods import D3A_D, NAIVE_PLUS, OURS, Method, filled
 from assistant.evaluation.tables import Table, as_text, spread
 from assistant.evaluation.worlds import (
     DEVELOPMENT,
@@ -74,7 +74,7 @@ def both(
 
 
 def nominal(bench: Bench) -> list[Row]:
-    found = bench.outcomes((NAIVE, NAIVE_PLUS, *METHODS))
+    found = bench.outcomes((NAIVE_PLUS, *METHODS))
     return [*answers(found), *sizes(found), *links(found)]
 
 
@@ -100,9 +100,8 @@ def answers(found: Found) -> list[Row]:
 
 
 def sizes(found: Found) -> list[Row]:
-    naive = {o.world: o.size.entries for o in found[NAIVE]}
     duplicates = both(found, lambda o: o.identity.duplicates.mean)
-    smaller = both(found, lambda o: naive[o.world] / o.size.entries, 1)
+    smaller = both(found, lambda o: o.detections / o.size.entries, 1)
     right = both(found, lambda o: precision(o.identity.absent))
     noticed = both(found, lambda o: recall(o.identity.absent))
     return [
