@@ -11,7 +11,7 @@ from typing import Literal
 
 from grammar.errors import QuestionError
 from grammar.forms import ANYTHING, Ask, FormalQuery, ObjectTerm, Select, TimeSlice
-from grammar.meaning import Item, Meaning
+from grammar.meaning import AtPlace, Item, Meaning
 from grammar.parser import NO_STORE, opened
 from grammar.reading import Reading, Terminals
 from grammar.vocabulary import StoreWords
@@ -84,7 +84,7 @@ def parse_fragment(
     timed = relative is not None or shift is not None
     if timed and not said:
         return Fragment(text, relative=relative, shift=shift)
-    fragment = _fragment(reading, _led(said), it)
+    fragment = _fragment(reading, _led(said), it, placed=previous.place is not None)
     if fragment is not None:
         return replace(fragment, relative=relative, shift=shift)
     whole = reading.of([said], it)
@@ -136,7 +136,9 @@ def _relative(
     return words, None, None, False
 
 
-def _fragment(reading: Reading, words: list[Word], it: ObjectTerm | None) -> Fragment | None:
+def _fragment(
+    reading: Reading, words: list[Word], it: ObjectTerm | None, *, placed: bool
+) -> Fragment | None:
     """Return the fragment that the words are, None when no rule of fragments reads them."""
     try:
         found = reading.terminals(words, it)
@@ -146,7 +148,17 @@ def _fragment(reading: Reading, words: list[Word], it: ObjectTerm | None) -> Fra
         parsed = reading.parsed(found, "fragment")
     except QuestionError:
         return None
-    return _built(reading, found, parsed)
+    fragment = _built(reading, found, parsed)
+    return _in_place(fragment, reading) if placed else fragment
+
+
+def _in_place(fragment: Fragment, reading: Reading) -> Fragment:
+    """Read a bare place as one where a place was spoken of: `what about the hall?`."""
+    places = reading.lexicon.places
+    if len(fragment.terms) == 1 and fragment.terms[0].word in places:
+        place = AtPlace(places[fragment.terms[0].word])
+        return replace(fragment, terms=(), items=(*fragment.items, place))
+    return fragment
 
 
 def _without_words(reading: Reading, found: Terminals) -> Fragment | None:

@@ -114,7 +114,7 @@ def _doubles(said: str, meant: str) -> bool:
 @lru_cache(maxsize=1024)
 def _beside(a: str, b: str) -> bool:
     """Whether two letters are neighbours on the keyboard, or both vowels."""
-    if a in "aeiou" and b in "aeiou":
+    if a in "aeiouy" and b in "aeiouy":
         return True
     for row, keys in enumerate(_KEYS):
         if a not in keys:

@@ -308,7 +308,7 @@ class Tagger(NounTagger):
         return True
 
     def _participle(self, following: int) -> bool:
-        """Whether a verb of leaving only says how a thing is there: `seen hidden behind the box`."""
+        """Whether a verb of leaving only says how a thing is: `seen hidden behind the box`."""
         said = self._last() == "THERE" or any(t.type == "SEE" for t in self.out.tags)
         return said and (self._relation_at(following) or self._text(following) == "in")
 

@@ -13,7 +13,7 @@ def tidied(tags: list[Tag]) -> list[Tag]:
 
 
 def _fronted(tags: list[Tag]) -> list[Tag]:
-    """Put a place that is said first after the question: `in the hall were the keys on the hook`."""
+    """Put a place that is said first last: `in the hall were the keys on the hook`."""
     if len(tags) < 2 or tags[0].type != "AT_PLACE":
         return tags
     first = 2 if tags[1].type == "COMMA" else 1

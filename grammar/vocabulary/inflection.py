@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-_KEEP_ENDINGS = ("ss", "us", "sis", "nis", "ris")
+_KEEP_ENDINGS = ("ss", "us", "sis")
 _ES_STEMS = ("ss", "sh", "ch", "x", "zz")
 
 
@@ -18,7 +18,7 @@ def singular(noun: str, exceptions: Mapping[str, str]) -> str:
 
 
 def _singular_word(word: str) -> str:
-    if len(word) < 4 or not word.endswith("s") or word.endswith(_KEEP_ENDINGS):
+    if len(word) < 3 or not word.endswith("s") or word.endswith(_KEEP_ENDINGS):
         return word
     if word.endswith("ies"):
         return word[:-3] + "y"

@@ -175,7 +175,7 @@ def lexicon(words: StoreWords = StoreWords()) -> Lexicon:  # frozen and empty
     names |= {owner.lower() for _, owner in words.names if owner and owner not in ("me", "you")}
     return Lexicon(
         nouns=nouns,
-        broader=broader,
+        broader={c: tuple(nouns.get(w, w) for w in wide) for c, wide in broader.items()},
         plurals=plurals,
         attributes=kinds,
         shades=shades,

@@ -1,0 +1,145 @@
+"""Dialogues: follow-ups merged with the query before them, the last query of each judged."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Iterator
+from datetime import datetime
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from assistant.dialogue import follow, merge
+from grammar import NotUnderstood, QuestionError, StoreWords, parse
+from grammar.forms import FormalQuery, Json
+from grammar.fragments import Fragment, parse_fragment
+
+CORPUS = Path(__file__).parents[1] / "corpus" / "dialogues.toml"
+NOW = datetime.fromisoformat("2020-01-01T18:00:00-05:00")
+WORDS = StoreWords()
+FIRST = "was the red cup on the table yesterday"
+
+
+def dialogues() -> Iterator[Any]:
+    """Yield a test case for each dialogue, its title the id."""
+    record = tomllib.loads(CORPUS.read_text(encoding="utf-8"))
+    for dialogue in record["dialogue"]:
+        seen = dialogue.get("seen_at")
+        yield pytest.param(
+            dialogue["turns"],
+            datetime.fromisoformat(seen) if seen else None,
+            id=dialogue["title"],
+        )
+
+
+def holds(want: Any, got: Any) -> bool:
+    """Whether what is wanted is in what was got: only the named fields count."""
+    if want == "none":
+        return got is None
+    if isinstance(want, dict):
+        return isinstance(got, dict) and all(holds(v, got.get(k)) for k, v in want.items())
+    if isinstance(want, list) and want and isinstance(want[0], dict):
+        return len(want) == len(got) and all(map(holds, want, got))
+    return bool(want == got)
+
+
+@pytest.mark.parametrize(("turns", "seen_at"), list(dialogues()))
+def test_dialogue(turns: list[Json], seen_at: datetime | None) -> None:
+    last: FormalQuery | None = None
+    for turn in turns:
+        last = follow(turn["say"], now=NOW, words=WORDS, last=last, seen_at=seen_at)
+        assert last.text == turn["say"]
+        want = {**turn["want"]} if "want" in turn else {}
+        if "time" in want:
+            want["time"] = {"start": None, "end": None, **want["time"]}
+        assert holds(want, last.to_json()), last.to_json()
+
+
+def test_there_are_thirty_dialogues_of_three_turns() -> None:
+    found = [param.values[0] for param in dialogues()]
+    assert len(found) >= 30
+    assert all(len(turns) >= 3 and "want" in turns[-1] for turns in found)
+
+
+def test_the_first_turn_is_a_question_of_its_own() -> None:
+    assert follow(FIRST, now=NOW, words=WORDS, last=None) == parse(FIRST, now=NOW)
+    with pytest.raises(QuestionError):
+        follow("and before that?", now=NOW, words=WORDS, last=None)
+
+
+def test_before_that_needs_a_time_to_start_from() -> None:
+    last = parse("where is the cup", now=NOW)
+    with pytest.raises(NotUnderstood):
+        follow("and before that?", now=NOW, words=WORDS, last=last)
+
+
+def test_an_empty_fragment_changes_nothing_but_the_words() -> None:
+    last = parse(FIRST, now=NOW)
+    merged = merge(last, Fragment(text=FIRST))
+    assert merged == last
+
+
+def test_a_fragment_says_what_it_changes() -> None:
+    last = parse(FIRST, now=NOW)
+    found = parse_fragment("and the blue ones in the hall?", now=NOW, previous=last)
+    assert isinstance(found, Fragment)
+    assert found.terms[0].attributes == ("blue",)
+    assert found.time is None
+    merged = merge(last, found)
+    assert merged.objects[0].category == "cup"
+    assert merged.objects[0].attributes == ("blue",)
+    assert merged.place == "hall"
+    assert merged.time == last.time
+
+
+@given(
+    st.lists(
+        st.sampled_from(
+            [
+                "and",
+                "what",
+                "about",
+                "the",
+                "red",
+                "one",
+                "cup",
+                "bowl",
+                "yesterday",
+                "before",
+                "that",
+                "in",
+                "kitchen",
+                "on",
+                "table",
+                "when",
+                "it",
+                "was",
+                "is",
+                "where",
+                "not",
+                "how",
+                "many",
+                "anna's",
+                "mine",
+                "?",
+                ",",
+                "then",
+                "since",
+                "an",
+                "hour",
+                "earlier",
+            ]
+        ),
+        max_size=8,
+    )
+)
+def test_any_follow_up_is_a_query_or_a_question_error(words: list[str]) -> None:
+    last = parse(FIRST, now=NOW)
+    try:
+        found = follow(" ".join(words), now=NOW, words=WORDS, last=last)
+    except QuestionError:
+        return
+    assert FormalQuery.from_json(found.to_json()) == found

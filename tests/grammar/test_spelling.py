@@ -1,0 +1,65 @@
+"""Spelling: slips are corrected and reported; any noun may be asked for."""
+
+from __future__ import annotations
+
+from datetime import datetime
+
+import pytest
+
+from grammar import Correction, StoreWords, parse_report
+
+NOW = datetime.fromisoformat("2020-01-01T18:00:00-05:00")
+
+
+@pytest.mark.parametrize(
+    ("said", "slip", "taken"),
+    [
+        ("where is my phon", "phon", "phone"),
+        ("where is the backpak", "backpak", "backpack"),
+        ("where is my walet", "walet", "wallet"),
+        ("where is my wallett", "wallett", "wallet"),
+        ("where is the umberlla", "umberlla", "umbrella"),
+        ("wheer is the cup", "wheer", "where"),
+        ("where was the cup yesterdya", "yesterdya", "yesterday"),
+        ("is the cup on the tabel", "tabel", "table"),
+        ("is there a cup in the kitchn", "kitchn", "kitchen"),
+        ("where is the refridgeratr", "refridgeratr", "refrigerator"),
+    ],
+)
+def test_a_slip_is_corrected_and_reported(said: str, slip: str, taken: str) -> None:
+    found = parse_report(said, now=NOW)
+    assert found.corrections == (Correction(slip, taken, said.index(slip)),)
+
+
+@pytest.mark.parametrize(
+    "noun",
+    [
+        "zorbulator",
+        "trowel",
+        "crate",
+        "poncho",
+        "gizmo",
+        "chain",
+        "plank",
+        "easel",
+        "monocle",
+        "ukulele",
+    ],
+)
+def test_a_noun_that_is_no_slip_stays(noun: str) -> None:
+    found = parse_report(f"where is the {noun}", now=NOW)
+    assert found.corrections == ()
+    assert found.query.objects[0].category == noun
+
+
+def test_a_stores_words_are_known_and_targets() -> None:
+    words = StoreWords(categories=("quadcopter",), names=(("tamagotchi", "anna"),))
+    assert parse_report("where is the quadcopter", now=NOW, words=words).corrections == ()
+    found = parse_report("where is the tamagotchy", now=NOW, words=words)
+    assert [c.taken for c in found.corrections] == ["tamagotchi"]
+
+
+def test_the_question_keeps_its_own_text() -> None:
+    found = parse_report("where is my phon", now=NOW)
+    assert found.query.text == "where is my phon"
+    assert found.query.objects[0].word == "phone"

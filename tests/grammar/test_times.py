@@ -1,0 +1,198 @@
+"""Spoken times: zones, the edges of the day, changes of offset, and what names no time."""
+
+from __future__ import annotations
+
+import contextlib
+from datetime import datetime, timedelta
+from zoneinfo import ZoneInfo
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from grammar import Ambiguous, NotUnderstood, QuestionError, parse
+from grammar.forms import TimeSlice
+
+NEW_YORK = ZoneInfo("America/New_York")
+BERLIN = ZoneInfo("Europe/Berlin")
+LOCAL = st.integers(950_000_000, 2_200_000_000)
+"""Seconds of a moment between 2000 and 2040."""
+MONDAY = datetime(2016, 11, 7, 16, 12, tzinfo=NEW_YORK)
+
+
+def slice_of(said: str, now: datetime = MONDAY) -> TimeSlice:
+    """Return the slice of a spoken time."""
+    time = parse(f"where was the cup {said}", now=now).time
+    assert time is not None
+    return time
+
+
+def clock(moment: datetime | None) -> str:
+    """Return a moment short enough for a table."""
+    return f"{moment:%Y-%m-%d %H:%M}" if moment else "-"
+
+
+@pytest.mark.parametrize(
+    ("said", "start", "end"),
+    [
+        ("late last night", "2016-11-06 23:30", "2016-11-07 05:00"),
+        ("early on monday", "2016-11-07 00:00", "2016-11-07 12:00"),
+        ("last night at 2", "2016-11-07 02:00", "2016-11-07 02:00"),
+        ("at 11 last night", "2016-11-06 23:00", "2016-11-06 23:00"),
+        ("from 10 pm to 2 am", "2016-11-06 22:00", "2016-11-07 02:00"),
+        ("between 7 and 9:30 last night", "2016-11-06 19:00", "2016-11-06 21:30"),
+        ("from 11 am to 3", "2016-11-07 11:00", "2016-11-07 15:00"),
+        ("from 10:30 to 3", "2016-11-07 10:30", "2016-11-07 15:00"),
+        ("from 2 to 10 october", "2016-10-02 00:00", "2016-10-11 00:00"),
+        ("from dec 20 to jan 5", "2015-12-20 00:00", "2016-01-06 00:00"),
+        ("the first monday of october", "2016-10-03 00:00", "2016-10-04 00:00"),
+        ("the last day of october", "2016-10-31 00:00", "2016-11-01 00:00"),
+        ("on tuesday of last week", "2016-11-01 00:00", "2016-11-02 00:00"),
+        ("on monday october 31st", "2016-10-31 00:00", "2016-11-01 00:00"),
+        ("on the 15th of last month", "2016-10-15 00:00", "2016-10-16 00:00"),
+        ("on the twenty fifth of july twenty twelve", "2012-07-25 00:00", "2012-07-26 00:00"),
+        ("on january first nineteen ninety nine", "1999-01-01 00:00", "1999-01-02 00:00"),
+        ("in january twenty twelve", "2012-01-01 00:00", "2012-02-01 00:00"),
+        ("on thanksgiving", "2015-11-26 00:00", "2015-11-27 00:00"),
+        ("on easter sunday 2015", "2015-04-05 00:00", "2015-04-06 00:00"),
+        ("last summer", "2016-06-01 00:00", "2016-09-01 00:00"),
+        ("the week before last", "2016-10-24 00:00", "2016-10-31 00:00"),
+        ("an hour and twenty minutes ago", "2016-11-07 14:52", "2016-11-07 14:52"),
+        ("two and a half hours ago", "2016-11-07 13:42", "2016-11-07 13:42"),
+        ("an hour before noon", "2016-11-07 11:00", "2016-11-07 11:00"),
+        ("at five to twelve", "2016-11-07 11:55", "2016-11-07 11:55"),
+        ("at nine oh five", "2016-11-07 09:05", "2016-11-07 09:05"),
+        ("at twenty five past six", "2016-11-07 06:25", "2016-11-07 06:25"),
+        ("from half past nine to quarter to eleven", "2016-11-07 09:30", "2016-11-07 10:45"),
+        ("on tuesday after 3 pm", "2016-11-01 15:00", "2016-11-02 00:00"),
+        ("around noon", "2016-11-07 11:30", "2016-11-07 12:30"),
+        ("right now", "2016-11-07 16:12", "2016-11-07 16:12"),
+    ],
+)
+def test_spoken_time(said: str, start: str, end: str) -> None:
+    found = slice_of(said)
+    assert (clock(found.start), clock(found.end)) == (start, end)
+
+
+@pytest.mark.parametrize(
+    "said",
+    ["last tuesday the cup was", "on monday", "at 5 pm", "in december", "on the 31st", "last fall"],
+)
+@given(seconds=LOCAL)
+def test_a_time_begins_in_the_past(said: str, seconds: int) -> None:
+    moment = datetime.fromtimestamp(seconds, BERLIN)
+    found = slice_of(said.removesuffix(" the cup was"), moment)
+    assert found.start is not None
+    assert found.start <= moment
+
+
+@given(seconds=LOCAL)
+def test_a_day_is_midnight_to_midnight_in_the_homes_zone(seconds: int) -> None:
+    found = slice_of("yesterday", datetime.fromtimestamp(seconds, NEW_YORK))
+    assert found.start is not None
+    assert found.end is not None
+    assert (found.start.hour, found.end.hour) == (0, 0)
+    assert found.end.date() - found.start.date() == timedelta(days=1)
+
+
+def test_a_day_of_23_hours_is_a_day() -> None:
+    now = datetime(2026, 3, 9, 12, tzinfo=NEW_YORK)
+    found = slice_of("yesterday", now)
+    assert found.start is not None
+    assert found.end is not None
+    assert found.end.timestamp() - found.start.timestamp() == 23 * 3600
+
+
+def test_hours_ago_are_elapsed_hours() -> None:
+    now = datetime(2026, 3, 8, 4, 0, tzinfo=NEW_YORK)  # two in the morning was left out
+    found = slice_of("three hours ago", now)
+    assert found.start is not None
+    assert now.timestamp() - found.start.timestamp() == 3 * 3600
+    assert found.start.hour == 0
+
+
+@pytest.mark.parametrize(("hour", "day"), [(0, 6), (3, 6), (4, 7), (12, 7)])
+def test_this_morning_belongs_to_the_day_that_ended_until_four(hour: int, day: int) -> None:
+    found = slice_of("this morning", MONDAY.replace(hour=hour, minute=30))
+    assert found.start is not None
+    assert found.start.day == day
+
+
+def test_a_weekday_said_on_that_day_is_today() -> None:
+    assert clock(slice_of("on monday").start) == "2016-11-07 00:00"
+    assert clock(slice_of("last monday").start) == "2016-10-31 00:00"
+
+
+def test_a_clock_time_that_has_not_come_is_yesterdays() -> None:
+    assert clock(slice_of("at 11 pm").start) == "2016-11-06 23:00"
+
+
+@pytest.mark.parametrize(
+    ("zone", "start"),
+    [
+        ("America/Chicago", "2018-03-04"),
+        ("Europe/Berlin", "2018-04-03"),
+        ("Asia/Tokyo", "2018-04-03"),
+    ],
+)
+def test_the_home_says_how_a_date_in_digits_is_read(zone: str, start: str) -> None:
+    now = datetime(2019, 1, 1, tzinfo=ZoneInfo(zone))
+    assert clock(slice_of("on 3/4/2018", now).start).startswith(start)
+
+
+def test_a_date_in_digits_is_ambiguous_where_the_home_says_nothing() -> None:
+    now = datetime.fromisoformat("2019-01-01T00:00:00+00:00")
+    with pytest.raises(Ambiguous) as caught:
+        parse("where was the cup on 3/4/2018", now=now)
+    first, second = caught.value.readings
+    assert first.time is not None
+    assert second.time is not None
+    assert {clock(first.time.start)[:10], clock(second.time.start)[:10]} == {
+        "2018-03-04",
+        "2018-04-03",
+    }
+    for suggestion in caught.value.suggestions:
+        assert parse(suggestion, now=now).time in (first.time, second.time)
+    assert caught.value.position == len("where was the cup on ")
+
+
+def test_a_date_of_one_order_only_needs_no_home() -> None:
+    now = datetime.fromisoformat("2019-01-01T00:00:00+00:00")
+    assert clock(slice_of("on 25/12/2018", now).start) == "2018-12-25 00:00"
+    assert clock(slice_of("on 5/5/2018", now).start) == "2018-05-05 00:00"
+
+
+@pytest.mark.parametrize(
+    "said", ["on the 30th of february", "on 2019-02-30", "yesterday today", "at 3 pm last week"]
+)
+def test_what_names_no_time_is_said_with_its_place(said: str) -> None:
+    with pytest.raises(NotUnderstood) as caught:
+        slice_of(said)
+    assert caught.value.position == len("where was the cup ")
+
+
+@pytest.mark.parametrize(
+    ("said", "category"),
+    [
+        ("where is the sun hat", "hat"),
+        ("where is the minute hand", "minute hand"),
+        ("where is the date palm", "date palm"),
+        ("where is the spring mattress", "mattress"),
+        ("did you see a second cup", "cup"),
+        ("is there a sunday newspaper in the hall", "sunday newspaper"),
+        ("may i see the cup", "cup"),
+        ("where is the alarm clock", "alarm clock"),
+        ("where is the night stand", "nightstand"),
+        ("where is the march calendar", "march calendar"),
+    ],
+)
+def test_false_friends_stay_nouns(said: str, category: str) -> None:
+    query = parse(said, now=MONDAY)
+    assert query.time is None
+    assert query.objects[0].category == category
+
+
+@given(st.text(alphabet="0123456789/-.: apmth", max_size=20))
+def test_no_digits_break_the_clock(said: str) -> None:
+    with contextlib.suppress(QuestionError):
+        parse(f"where was the cup at {said}", now=MONDAY)

@@ -1,0 +1,128 @@
+"""The vocabulary: synonyms, plurals, detector spellings, and files that agree with each other."""
+
+from __future__ import annotations
+
+import pytest
+
+from grammar.forms import RELATION_KINDS, SELECTS
+from grammar.phrases import phrases
+from grammar.reading import QUESTION
+from grammar.vocabulary import (
+    broader,
+    canonical,
+    lexicon,
+    narrower,
+    plural,
+    singular,
+    synonyms,
+)
+
+COCO = [
+    " ".join(name.split())
+    for name in """
+        person, bicycle, car, motorcycle, airplane, bus, train, truck, boat, traffic light, fire
+        hydrant, stop sign, parking meter, bench, bird, cat, dog, horse, sheep, cow, elephant,
+        bear, zebra, giraffe, backpack, umbrella, handbag, tie, suitcase, frisbee, skis,
+        snowboard, sports ball, kite, baseball bat, baseball glove, skateboard, surfboard,
+        tennis racket, bottle, wine glass, cup, fork, knife, spoon, bowl, banana, apple,
+        sandwich, orange, broccoli, carrot, hot dog, pizza, donut, cake, chair, couch, potted
+        plant, bed, dining table, toilet, tv, laptop, mouse, remote, keyboard, cell phone,
+        microwave, oven, toaster, sink, refrigerator, book, clock, vase, scissors, teddy bear,
+        hair drier, toothbrush
+    """.replace("\n", " ").split(",")
+]
+
+
+@pytest.mark.parametrize("category", COCO)
+def test_a_detectors_category_is_its_own(category: str) -> None:
+    assert canonical(category) == category
+    assert canonical(category.replace(" ", "")) == category
+    assert canonical(plural(category)) == category
+
+
+@pytest.mark.parametrize(
+    ("said", "category"),
+    [
+        ("mug", "cup"),
+        ("mugs", "cup"),
+        ("sofa", "couch"),
+        ("sportsball", "sports ball"),
+        ("pottedplant", "potted plant"),
+        ("tvmonitor", "tv"),
+        ("wineglass", "wine glass"),
+        ("diningtable", "dining table"),
+        ("cellphone", "cell phone"),
+        ("phone", "cell phone"),
+        ("lap top", "laptop"),
+        ("tooth brush", "toothbrush"),
+        ("things", "object"),
+        ("zorbs", "zorb"),
+        ("fruit bowl", "fruit bowl"),
+    ],
+)
+def test_canonical(said: str, category: str) -> None:
+    assert canonical(said) == category
+
+
+@pytest.mark.parametrize(
+    ("many", "one"),
+    [
+        ("keys", "key"),
+        ("glasses", "glasses"),
+        ("shelves", "shelf"),
+        ("knives", "knife"),
+        ("boxes", "box"),
+        ("scissors", "scissors"),
+        ("batteries", "battery"),
+        ("shoes", "shoe"),
+        ("potatoes", "potato"),
+        ("coffee machines", "coffee machine"),
+        ("pencil cases", "pencil case"),
+        ("buses", "bus"),
+        ("toothbrushes", "toothbrush"),
+        ("children", "child"),
+    ],
+)
+def test_singular(many: str, one: str) -> None:
+    assert singular(many) == one
+
+
+def test_every_noun_and_its_plural_have_one_category() -> None:
+    wrong = [noun for noun in lexicon().nouns if canonical(plural(noun)) != canonical(noun)]
+    assert wrong == []
+
+
+def test_broader_and_narrower_are_inverse() -> None:
+    assert "ball" in broader("sports ball")
+    assert "sports ball" in narrower("ball")
+    assert broader("fruit bowl")[0] == "bowl"
+    assert broader("zorb") == ()
+    for category in lexicon().broader:
+        for wide in broader(category):
+            assert category in narrower(wide) or wide not in lexicon().nouns
+
+
+def test_synonyms_share_a_category() -> None:
+    assert "mug" in synonyms("cup")
+    assert {canonical(word) for word in synonyms("cup")} == {"cup"}
+
+
+def test_no_category_is_a_synonym_of_another() -> None:
+    nouns = lexicon().nouns
+    assert [c for c in nouns.values() if nouns[c] != c] == []
+
+
+def test_relations_are_of_the_contract() -> None:
+    assert set(lexicon().relations.values()) == set(RELATION_KINDS)
+
+
+def test_phrases_are_terminals_of_the_grammar() -> None:
+    own = {
+        "drop", "last", "first", "usual", "negative", "where_room", "where_last", "when_last",
+        "when_first", "same_place", "seen_alone", "BE_PRESENT", "BE_PAST", "AUX_DO", "AUX_DID",
+        "AUX_HAVE", "AUX_CAN",
+    }  # fmt: skip
+    found = {terminal for entries in phrases().by_first.values() for _, terminal in entries}
+    plain = {terminal for terminal in found if not terminal.startswith("REL ")}
+    assert plain - own <= set(QUESTION.terminals)
+    assert {"last", "first", "usual"} <= set(SELECTS)
