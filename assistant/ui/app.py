@@ -366,7 +366,7 @@ class ChatApp(App[None], inherit_bindings=False):
 
     def action_command_palette(self) -> None:
         """Show every command by its name."""
-        if not Palette.is_open(self):
+        if not isinstance(self.screen, Palette):
             self.push_screen(Palette(id="--command-palette"))
 
     def get_system_commands(self, screen: Screen[object]) -> Iterable[SystemCommand]:

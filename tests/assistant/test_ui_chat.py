@@ -494,7 +494,7 @@ async def test_the_palette_names_every_command_and_takes_early_keys() -> None:
     async with chat() as c:
         await c.ask()
         c.app.action_command_palette()
-        await c.until(lambda: CommandPalette.is_open(c.app))
+        await c.until(lambda: isinstance(c.app.screen, CommandPalette))
         c.app.screen.query_one(CommandList).styles.max_height = 0  # as while it opens
         await c.pilot.press("pagedown", "pageup")
         c.app.screen.query_one(CommandList).styles.max_height = 20
