@@ -23,12 +23,16 @@ COMMANDS = {
     "config": "Show the settings, and the files they come from.",
     "demo": "Open the chat on a small home that ships with d3a.",
     "doctor": "Check the terminal, the time zone, the store and the versions.",
+    "evaluate": "Run the paper's four experiments and write a report.",
     "explain": "Print the formal query, the plan and the store's native queries.",
     "ingest": "Fill a store from a recording.",
     "objects": "List the objects of a store.",
     "parse": "Print the formal query of each question.",
+    "simulate": "Write a simulated recording with its truth.",
 }
 """Name to summary: enough for --help, so that it loads no command."""
+EVALUATION = ("evaluate", "simulate")
+"""Commands of `assistant.evaluation`; the others live in `assistant.commands`."""
 
 
 def clock() -> datetime:
@@ -37,7 +41,7 @@ def clock() -> datetime:
 
 
 class LazyGroup(click.Group):
-    """A group whose commands live in `assistant.commands` and load when they are called."""
+    """A group whose commands load when they are called."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         """Return the names, for help and completion."""
@@ -47,6 +51,9 @@ class LazyGroup(click.Group):
         """Import the module of a command and return its `command`."""
         if cmd_name not in COMMANDS:
             return None
+        if cmd_name in EVALUATION:
+            module = importlib.import_module("assistant.evaluation.commands")
+            return cast("click.Command", getattr(module, f"{cmd_name}_command"))
         module = importlib.import_module(f"assistant.commands.{cmd_name}")
         return cast("click.Command", module.command)
 
