@@ -339,13 +339,8 @@ class _Reader:
         return "Q3" if self.line.stored else "Q1"
 
     def _terms(self) -> tuple[ObjectTerm, ...]:
-        found = [var for group in self.line.found for var in group]
-        if not found and self.line.objects:
-            found = list(self.line.objects)
-        split = [self._bound_apart(group) for group in self.line.found] if found else []
-        if not self.line.found:
-            split = [self._bound_apart(found)]
-        return tuple(self._term(owner) for group in split for owner in group)
+        groups = self.line.found or [list(self.line.objects)]
+        return tuple(self._term(t) for group in groups for t in self._bound_apart(group))
 
     def _bound_apart(self, group: list[str]) -> list[_Object]:
         """Bind the paper's `pink(x), cup(y)` to one object: attributes go with the next noun."""

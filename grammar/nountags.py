@@ -15,6 +15,7 @@ KIN = words_of(
     "everyone"
 )
 """People by their kinship: what they do is no business of a memory of things."""
+_MEASURES = words_of("piece pair set bunch pack stack pile roll kind type sort group collection")
 _PLACE_WORDS = words_of("in at inside from within into to around of throughout across on")
 _ON_PLACES = frozenset(("balcony", "terrace", "porch", "upstairs", "downstairs"))
 _BARE_PLACES = frozenset(("upstairs", "downstairs", "outside", "outdoors"))
@@ -148,58 +149,65 @@ class NounTagger(Cursor):
         """Return (place, its end) of the named place at `k`; no noun may follow it."""
         for parts in self.places.get(self._text(k), ()):
             end = k + len(parts)
-            if [self._text(j) for j in range(k, end)] == list(parts) and not self._open_at(end):
+            ends = not self._open_at(end) or self._ends_with_attributes(end)
+            if [self._text(j) for j in range(k, end)] == list(parts) and ends:
                 return self.lexicon.places[" ".join(parts)], end
         return "", k
 
+    def _ends_with_attributes(self, k: int) -> bool:
+        """Whether the sentence ends in words said of its subject: `... in the hall blue`."""
+        found = self.reader.read(self.words, k)
+        attributes = all(isinstance(what, Attribute) for what, _, _ in found)
+        return attributes and found[-1][2] == len(self.words) and self.out.tags[:1] != []
+
     def _negation(self) -> bool:
+        """Lift `not` out, unless it denies a word of a noun phrase."""
         text = self._text(self.i)
-        if text == "no":
-            following = self._text(self.i + 1)
-            if following == "longer":
+        if text == "not":
+            if not self._denial(self.i + 1):
                 self.out.negated = True
-                self.i += 2
-                return True
-            self.out.negated = True
-            self._emit("DET", text, 1)
-            return True
-        if text in ("never", "nothing", "nowhere", "none"):
-            self.out.negated = True
-            if text in ("nothing", "none"):
-                self._emit("NOUN", Noun("object", "thing", known=True), 1)
-            else:
                 self.i += 1
             return True
-        if text != "not":
+        if text not in ("no", "never", "nothing", "nowhere", "none"):
             return False
-        k = self.i + 1
+        self.out.negated = True
+        if text in ("nothing", "none"):
+            self._emit("NOUN", Noun("object", "thing", known=True), 1)
+        elif text == "no" and self._text(self.i + 1) != "longer":
+            self._emit("DET", text, 1)
+        else:
+            self.i += 2 if text == "no" else 1
+        return True
+
+    def _denial(self, k: int) -> bool:
+        """Take `not` before a word of a noun phrase: not red, not the red one, not made of wood."""
         after_noun = self._last() in ("NOUN", "ONE", "COMMA", "ATTR", "AND", "")
         if self._text(k) in DETERMINERS or self._text(k) in OWNERS:
             if after_noun and self._contrasted(k + 1):
                 self._emit("_EXCEPT", 0, 1)
                 return True
-        elif self._attribute_at(k) and self._last() == "BE" and self._chosen():
+            return False
+        if self._text(k) in ("made", "built") and self._text(k + 1) in ("of", "from", "out"):
+            self._emit("_NOT_MADE_OF", 0, 4 if self._text(k + 1) == "out" else 3)
+            return True
+        return self._attribute_at(k) and self._denied_attribute(k, after_noun=after_noun)
+
+    def _denied_attribute(self, k: int, *, after_noun: bool) -> bool:
+        """Take `not red`, said before its noun or after it."""
+        if self._last() == "BE" and self._chosen():
             self.out.tags.pop()  # how many chairs are not red: chairs that are not
             self._emit("_THAT_IS_NOT", 0, 1)
             return True
-        elif self._attribute_at(k):
-            found = self.reader.read(self.words, k)
-            before_noun = len(found) > 1 and isinstance(found[-1][0], Noun)
-            if before_noun and self._last() in ("DET", "OWNER", ""):
-                self.i += 1
-                attribute, _, last = found[0]
-                self._emit("NOT_ATTR", attribute, last - self.i)
-                return True
-            if after_noun:
-                self._emit("_THAT_IS_NOT", 0, 1)
-                return True
-        elif self._text(k) in ("made", "built") and self._text(k + 1) in ("of", "from", "out"):
-            count = 4 if self._text(k + 1) == "out" else 3
-            self._emit("_NOT_MADE_OF", 0, count)
+        found = self.reader.read(self.words, k)
+        before_noun = len(found) > 1 and isinstance(found[-1][0], Noun)
+        if before_noun and self._last() in ("DET", "OWNER", ""):
+            self.i += 1
+            attribute, _, last = found[0]
+            self._emit("NOT_ATTR", attribute, last - self.i)
             return True
-        self.out.negated = True
-        self.i += 1
-        return True
+        if after_noun:
+            self._emit("_THAT_IS_NOT", 0, 1)
+        return after_noun
 
     def _chosen(self) -> bool:
         """Whether things are chosen or counted: which chairs, how many chairs."""
@@ -280,6 +288,11 @@ class NounTagger(Cursor):
             k += 1
         if not self._open_at(k):
             return False
+        measured = self.out.tags[-1].value
+        if isinstance(measured, Noun) and measured.said in _MEASURES:
+            self.out.tags.pop()
+            self.i = k
+            return True
         found = self.reader.read(self.words, k)
         self.i = found[-1][2]
         return True

@@ -46,6 +46,7 @@ _TERMINALS = [
     "REL",
     "SIDE_BY_SIDE",
     "STATE",
+    "STRANDED",
     "THAT_NOT",
     "THAT_NOT_REL",
     "THERE",

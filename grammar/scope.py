@@ -24,6 +24,7 @@ _ASKING = words_of(
     "where when what which who whose why how is are was were am do does did have has had "
     "can could may might should shall will would must whether if"
 )
+_DOERS = ("i", "we", "you", "someone", "one")
 _WHERE_VERBS = frozenset(["find", "see", "look", "search", "locate"])
 _NO_VERBS = words_of("left right the a an my your our his her their its this that me you be")
 
@@ -41,8 +42,14 @@ def _lists() -> dict[str, frozenset[str]]:
 
 
 @lru_cache(maxsize=1)
-def _openings() -> tuple[tuple[str, ...], ...]:
-    return tuple(tuple(line.split()) for line in sorted(_lists()["opening"]))
+def _openings() -> tuple[tuple[tuple[str, ...], tuple[tuple[str, ...], ...]], ...]:
+    """Return each opening that is refused, with what excuses it when it goes on so."""
+    found = []
+    for line in sorted(_lists()["opening"]):
+        opening, _, excuses = line.partition("~")
+        goes_on = tuple(tuple(said.split()) for said in files.split(excuses))
+        found.append((tuple(opening.split()), goes_on))
+    return tuple(found)
 
 
 def spoken() -> tuple[str, ...]:
@@ -52,6 +59,9 @@ def spoken() -> tuple[str, ...]:
 
 def asks(words: list[Word]) -> bool:
     """Whether a sentence is a question by its first word, or looks for something."""
+    led = len(words) > 1 and words[0].text in ("on", "in", "at")
+    if led and words[1].text in ("which", "what"):
+        return True
     return bool(words) and (words[0].text in _ASKING or words[0].text == speech.SEEK)
 
 
@@ -105,60 +115,26 @@ def refuse_early(
         )
     if _use_asked(texts):
         raise _out(text, words[0], "A memory of sightings gives no advice", rest, lexicon)
-    for opening in _openings():
-        if tuple(texts[: len(opening)]) == opening and not _excused(opening, texts, it):
-            word = words[len(opening) - 1]
-            raise _out(text, word, _REASON, rest, lexicon)
+    for opening, excuses in _openings():
+        if tuple(texts[: len(opening)]) != opening:
+            continue
+        after = tuple(texts[len(opening) :])
+        if any(after[: len(said)] == said for said in excuses) or _points(opening, after, it):
+            continue
+        raise _out(text, words[len(opening) - 1], _REASON, rest, lexicon)
 
 
 _REASON = "A memory of sightings knows where and when things were seen, nothing else"
 
 
-def _excused(opening: tuple[str, ...], texts: list[str], it: ObjectTerm | None) -> bool:
-    """Whether an opening is one of a question about a thing after all."""
-    after = texts[len(opening) :]
-    if opening[-1] in PRONOUNS and len(opening) == 2 and it is not None:
+def _points(opening: tuple[str, ...], after: tuple[str, ...], it: ObjectTerm | None) -> bool:
+    """Whether `is it`, `is that` speaks of a thing: one spoken of before, or named after it."""
+    if len(opening) != 2 or opening[1] not in (*PRONOUNS, "this", "that"):
+        return False
+    if it is not None and opening[1] in PRONOUNS:
         return True
-    if opening in (
-        ("where", "could", "i"),
-        ("where", "would", "i"),
-        ("where", "do", "i"),
-        ("where", "should"),
-    ):
-        return (
-            bool(_WHERE_VERBS & set(after[:3]))
-            or (
-                opening == ("where", "do", "i")
-                and bool(
-                    {"keep", "put", "leave", "store", "usually", "normally", "have"}
-                    & set(after[:3])
-                )
-            )
-            or (opening == ("where", "could", "i") and "have" in after[:1])
-        )
-    if opening in (
-        ("is", "that"),
-        ("is", "this"),
-        ("are", "these"),
-        ("are", "those"),
-        ("was", "that"),
-        ("was", "this"),
-    ):
-        return bool(after) and is_open(after[0]) and after[0] not in _lists()["state"]
-    if opening in (("what", "do", "you"), ("what", "can"), ("what", "do", "i"), ("what", "could")):
-        return (
-            after[:1] == ["see"]
-            or after[:2] == ["you", "see"]
-            or after[:2] == ["be", "seen"]
-            or after[:2] in (["i", "see"], ["i", "find"])
-        )
-    if opening == ("what", "are", "you"):
-        return after[:1] == ["seeing"]
-    if opening == ("how", "much"):
-        return after[:1] == ["time"]
-    if opening in (("can", "i"), ("may", "i"), ("could", "i")):
-        return after[:1] == ["see"]
-    return False
+    named = opening[1] != "it" and bool(after) and is_open(after[0])
+    return named and after[0] not in _lists()["state"]
 
 
 def _commanded(texts: list[str], lexicon: Lexicon) -> bool:
@@ -191,65 +167,22 @@ def _future(texts: list[str]) -> int | None:
     return None
 
 
+_SKIPPED = words_of("i also usually normally always last typically generally")
+_PUTTING = words_of("put store keep place leave hang set throw get lay park sit stand lie")
+
+
 def _use_asked(texts: list[str]) -> bool:
     """Whether it is asked what to do, or where to do it: `where can i brush my teeth`."""
-    if texts[:1] != ["where"] or len(texts) < 4:
+    if texts[:1] != ["where"] or len(texts) < 4 or texts[2] not in _DOERS:
         return False
-    if texts[1] in ("can", "could", "should", "may", "do", "would", "might") and texts[2] in (
-        "i",
-        "we",
-        "you",
-        "someone",
-        "one",
-    ):
-        verb = (
-            texts[3]
-            if texts[3]
-            not in ("i", "also", "usually", "normally", "always", "last", "typically", "generally")
-            else texts[4]
-            if len(texts) > 4
-            else ""
-        )
-        allowed = phrases().verbs | {
-            "have",
-            "find",
-            "see",
-            "look",
-            "search",
-            "get",
-            "keep",
-            "put",
-        }
-        if verb not in allowed:
-            return True
-        if texts[1] in ("should", "may") or (
-            texts[1] in ("can", "could")
-            and verb
-            in (
-                "put",
-                "store",
-                "keep",
-                "place",
-                "leave",
-                "hang",
-                "set",
-                "throw",
-                "get",
-                "lay",
-                "park",
-                "sit",
-                "stand",
-                "lie",
-            )
-        ):
-            return not (texts[1] in ("can", "could") and verb == "have") and verb not in (
-                "find",
-                "look",
-                "search",
-                "see",
-                "locate",
-            )
-    return False
+    if texts[1] not in ("can", "could", "should", "may", "do", "would", "might"):
+        return False
+    verb = next((t for t in texts[3:5] if t not in _SKIPPED), "")
+    if verb in _WHERE_VERBS or verb == "have":
+        return False
+    known = verb in phrases().verbs or verb in _PUTTING
+    advice = texts[1] in ("should", "may") or (texts[1] in ("can", "could") and verb in _PUTTING)
+    return not known or advice
 
 
 def refuse_late(text: str, found: FormalQuery, rest: list[Word], lexicon: Lexicon) -> None:
@@ -265,6 +198,14 @@ def refuse_late(text: str, found: FormalQuery, rest: list[Word], lexicon: Lexico
         ):
             word = next((w for w in rest if w.text.startswith(head[:4])), rest[-1])
             raise _out(text, word, f"“{term.word}” is no thing that a camera sees", rest, lexicon)
+    stated = found.ask in ("count", "whether", "what") and lists["state"]
+    for term in found.objects:
+        if stated and stated & {*term.attributes, *term.without} - {"off", "on", "up", "down"}:
+            raise _out(text, rest[-1], "It knows no states of things", rest, lexicon)
+    if len(found.objects) == 2 and found.relation and found.relation.kind == "in":
+        content, vessel = (term.category for term in found.objects)
+        if content in lists["liquid"] and vessel in lists["vessel"]:
+            raise _out(text, rest[-1], "What is in a vessel is a state of it", rest, lexicon)
     for term in found.objects[1:]:
         if term.word in lists["medium"]:
             raise _out(text, rest[-1], f"“{term.word}” is no place for things", rest, lexicon)

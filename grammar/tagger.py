@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from grammar import numbers
 from grammar.closed import is_open
-from grammar.cursor import DETERMINERS, PRONOUNS, TIME_GAP, Tagged
+from grammar.cursor import DETERMINERS, OWNERS, PRONOUNS, TIME_GAP, Tagged
 from grammar.forms import ObjectTerm, Select
 from grammar.nouns import Noun
 from grammar.nountags import NounTagger
@@ -18,6 +18,7 @@ from grammar.tidying import tidied
 from grammar.vocabulary import Lexicon
 from grammar.words import Word
 
+_WITHIN = ("corner of", "middle of", "center of", "centre of", "end of")
 _INTENSIFIERS = frozenset(("right", "directly", "immediately", "straight"))
 _FLOATS: dict[str, Select] = {"last": "last", "first": "first", "usual": "usual"}
 
@@ -77,7 +78,6 @@ class Tagger(NounTagger):
 
     def _take(self, terminal: str, said: str, size: int) -> bool:
         """Take a phrase as `terminal` when its neighbours allow it."""
-        following = self.i + size
         if terminal.startswith("REL "):
             return self._relation(terminal[4:], said, size)
         match terminal:
@@ -85,59 +85,62 @@ class Tagger(NounTagger):
                 return self._drop(said, size)
             case "last" | "first" | "usual":
                 return self._float(terminal, said, size)
-            case "seen_alone":
-                if self.out.tags:
-                    return False
-                for kind, value in (("AUX", "have"), ("WHO", "you"), ("SEE", said)):
-                    self._emit(kind, value, 0)
-                self.i += size
-            case "where_last":
-                if self.out.tags:
-                    return False
-                self.out.select = "last"
-                self._emit("_WHERE", said, size)
-            case "where_room":
-                self.room = True
-                self._emit("_WHERE", said, size)
-            case "when_last" | "when_first":
-                self.out.select = "last" if terminal == "when_last" else "first"
-                self._emit("_WHEN", said, size)
-            case "same_place":
-                if self._text(following) == "as":
-                    return False
-                self._emit("SIDE_BY_SIDE", "same_place", size)
-            case "SIDE_BY_SIDE":
-                if said == "together" and self._text(following) == "with":
-                    return False
-                self._emit("SIDE_BY_SIDE", "together", size)
             case "BE_PRESENT" | "BE_PAST":
                 return self._be(terminal, said, size)
             case "AUX_DO" | "AUX_DID" | "AUX_HAVE" | "AUX_CAN" | "HAVE":
                 return self._auxiliary(terminal, said, size)
             case "HERE":
                 return self._here(said, size)
-            case "WHO":
-                if said in ("you", "u") and self._last() in ("SEE",):
-                    return False
-                self._emit("WHO", said, size)
-            case "_SHOW" | "_FIND" | "_WHETHER":
-                if self.out.tags:
-                    return False
-                if self._noun_phrase_at(following) or terminal == "_WHETHER":
-                    self._emit(terminal, said, size)
-                    return True
-                return False
             case "SEE" | "LEAVE" | "FINDS" | "GO" | "MOVED" | "MISSING":
                 return self._verb(terminal, said, size)
             case "_WHAT" | "_WHICH" | "_WHERE" | "_WHEN" | "_HOWMANY" | "_HOWLONG" | "_HOWOFTEN":
                 return self._question_word(terminal, said, size)
+        if not self._fits(terminal, said, self.i + size):
+            return False
+        self._emit_phrase(terminal, said, size)
+        return True
+
+    def _fits(self, terminal: str, said: str, following: int) -> bool:
+        """Whether a phrase may be what it looks like, by what stands before and after it."""
+        match terminal:
+            case "seen_alone" | "where_last":
+                return not self.out.tags
+            case "_SHOW" | "_FIND":
+                return not self.out.tags and self._noun_phrase_at(following)
+            case "_WHETHER":
+                return not self.out.tags
+            case "same_place":
+                return self._text(following) != "as"
+            case "SIDE_BY_SIDE":
+                return said != "together" or self._text(following) != "with"
+            case "WHO":
+                return said not in ("you", "u") or self._last() != "SEE"
             case "_EXCEPT":
-                if self._last() not in ("NOUN", "ONE", "COMMA", "SIDE_BY_SIDE", "AT_PLACE", "HERE"):
-                    return False
-                self._emit("_EXCEPT", said, size)
+                before = ("NOUN", "ONE", "COMMA", "SIDE_BY_SIDE", "AT_PLACE", "HERE")
+                return self._last() in before
+            case _:
+                return True
+
+    def _emit_phrase(self, terminal: str, said: str, size: int) -> None:
+        """Emit the terminals of a phrase, and keep beside what it says of the selection."""
+        match terminal:
+            case "seen_alone":
+                for kind, value in (("AUX", "have"), ("WHO", "you"), ("SEE", said)):
+                    self._emit(kind, value, 0)
+                self.i += size
+            case "where_last" | "where_room":
+                self.room = terminal == "where_room"
+                self.out.select = "last" if terminal == "where_last" else self.out.select
+                self._emit("_WHERE", said, size)
+            case "when_last" | "when_first":
+                self.out.select = "last" if terminal == "when_last" else "first"
+                self._emit("_WHEN", said, size)
+            case "same_place":
+                self._emit("SIDE_BY_SIDE", "same_place", size)
+            case "SIDE_BY_SIDE":
+                self._emit("SIDE_BY_SIDE", "together", size)
             case _:
                 self._emit(terminal, said, size)
-        return True
 
     def _question_word(self, terminal: str, said: str, size: int) -> bool:
         following = self.i + size
@@ -211,10 +214,27 @@ class Tagger(NounTagger):
             "no",
         ):
             return False
+        if said.endswith(_WITHIN) and self._within(following, size):
+            return True
         negated = self._last() == "THAT_NOT"
         if negated:
             self.out.tags.pop()
         self._emit("THAT_NOT_REL" if negated else "REL", kind, size)
+        return True
+
+    def _within(self, k: int, size: int) -> bool:
+        """Read the corner of the kitchen as in it, and the corner of the room as a thing."""
+        while self._text(k) in DETERMINERS or self._text(k) in OWNERS:
+            k += 1
+        place, end = self._place_at(k)
+        if place:
+            self._emit("AT_PLACE", place, end - self.i)
+        elif self._text(k) in ("room", "house", "apartment") and not self._open_at(k + 1):
+            part = self._text(self.i + size - 2)  # the corner of the room is a thing of its own
+            self._emit("REL", "in", 0)
+            self._emit("NOUN", Noun(part, part, known=True), k + 1 - self.i)
+        else:
+            return False
         return True
 
     def _be(self, terminal: str, said: str, size: int) -> bool:
@@ -232,6 +252,10 @@ class Tagger(NounTagger):
     def _auxiliary(self, terminal: str, said: str, size: int) -> bool:
         following = self._text(self.i + size)
         if terminal == "HAVE":
+            counted = self._has("_HOWMANY") and self._last() == "NOUN" and not following
+            if counted and self._has("AUX"):
+                self._emit("HAVE", said, size)
+                return True
             if self._last() != "WHO" or not (
                 self._noun_phrase_at(self.i + size)
                 or not following
@@ -307,6 +331,24 @@ class Tagger(NounTagger):
         self._emit(terminal, said, size)
         return True
 
+    def _stranded(self, text: str) -> bool:
+        """Take a preposition at the end that belongs to its `which`: which shelf is it on."""
+        if self.room and text in ("in", "at", "on"):
+            self.i += 1
+            return True
+        kind = self.lexicon.relations.get(text)
+        if kind is None or not self.out.tags or self.out.tags[0].type != "_WHICH":
+            return False
+        self._emit("STRANDED", kind, 1)
+        return True
+
+    def _happening(self, text: str) -> bool:
+        """Whether a bare word after `what is` names no thing: what is written, what is shown."""
+        kinds = [t.type for t in self.out.tags[-2:]]
+        if kinds == ["_WHAT", "BE"]:
+            return True
+        return kinds == ["_WHEN", "BE"] and self.lexicon.known_noun(text) is None
+
     def _participle(self, following: int) -> bool:
         """Whether a verb of leaving only says how a thing is: `seen hidden behind the box`."""
         said = self._last() == "THERE" or any(t.type == "SEE" for t in self.out.tags)
@@ -333,13 +375,12 @@ class Tagger(NounTagger):
         if text == "at" and self.i + 1 == len(self.words):
             self.i += 1
             return True
-        if text in ("in", "at", "on") and self.room and self.i + 1 == len(self.words):
-            self.i += 1
+        if self.i + 1 == len(self.words) and self._stranded(text):
             return True
         if not is_open(text):
             return False
-        if self._last() == "BE" and len(self.out.tags) > 1 and self.out.tags[-2].type == "_WHAT":
-            return False  # what is written, what is wrong: no thing is named
+        if self._happening(text):
+            return False
         for what, first, last in self.reader.read(self.words, self.i):
             self.i = first
             self._emit("NOUN" if isinstance(what, Noun) else "ATTR", what, last - first)

@@ -209,6 +209,13 @@ class Meanings(Terms):
         """Rule which: _WHICH things aux PREDICATE+."""
         return Meaning("what", _described(_things(words), _predicates(words)))
 
+    def which_ground(self, ground: Things, _aux: Aux, things: Things, stranded: Token) -> Meaning:
+        """Rule which: _WHICH things aux things STRANDED."""
+        if ground.group is None:
+            raise MeaningError("it names no thing", state=False)
+        kind: Any = stranded.value
+        return Meaning("where", things.with_items((Related(kind, ground.group),)), newest=True)
+
     # -- how many, how long, how often -------------------------------------------------------------
 
     def count(self, *words: Any) -> Meaning:
@@ -226,6 +233,11 @@ class Meanings(Terms):
     def count_attribute(self, *words: Any) -> Meaning:
         """Rule count: _HOWMANY things aux PREDICATE+."""
         return Meaning("count", _described(_things(words), _predicates(words)))
+
+    def count_with(self, things: Things, _aux: Aux, owner: Things, _have: Token) -> Meaning:
+        """Rule count: _HOWMANY things aux things HAVE."""
+        group = owner.group or Group(())
+        return Meaning("count", things.with_items((Related("together", group), *owner.items)))
 
     def how_long(self, *words: Any) -> Meaning:
         """Rule lasting: _HOWLONG aux things passive?."""

@@ -25,7 +25,7 @@ SAID = {
     "DET": "the", "HAVE": "have", "HERE": "somewhere", "GO": "go", "MISSING": "missing",
     "MOVED": "moved", "NOT_ATTR": "not red", "NOUN": "cup", "NUMBER": "two", "ONE": "one",
     "OR": "or", "OR_ITEM": "or", "OWNED": "of mine", "OWNER": "my", "PART": "handle",
-    "PREDICATE": "red", "REL": "next to", "SIDE_BY_SIDE": "together",
+    "PREDICATE": "red", "STRANDED": "on", "REL": "next to", "SIDE_BY_SIDE": "together",
     "THAT_NOT_REL": "that is not on", "THERE": "there", "WHO": "you", "SEE": "see",
     "LEAVE": "leave", "FINDS": "find", "_EXCEPT": "other than", "_FIND": "find",
     "_HOWLONG": "how long", "_HOWMANY": "how many", "_HOWOFTEN": "how often",
