@@ -45,6 +45,10 @@ class Attribute:
     kind: str
 
 
+def _other(said: str) -> Attribute:
+    return Attribute(said, "other")
+
+
 class Pattern(str):
     """A pattern that a thing has all over: with stripes is `striped`."""
 
@@ -68,6 +72,10 @@ class NounReader:
             if self._only_counts(words, k, end):
                 k += 1
                 continue
+            if pending is not None and self._is_thing(words, pending, k):
+                found += [self._noun(words, pending, k), (_other(words[k].text), k, k + 1)]
+                pending, k = None, k + 1
+                continue
             size = self._compound(words, k, end)
             attribute = None if size else self._attribute(words, k, end)
             if pending is not None and not size and k + 1 == end and self._happens(words[k].text):
@@ -85,6 +93,10 @@ class NounReader:
         if pending is not None:
             found.append(self._noun(words, pending, end))
         return found
+
+    def _is_thing(self, words: list[Word], first: int, last: int) -> bool:
+        """Whether the noun so far is `something`: what follows describes it."""
+        return last == first + 1 and self.lexicon.singular(words[first].text) in THINGS
 
     def _happens(self, text: str) -> bool:
         """Whether a word at the end is what happened to the noun: `the door opened`."""

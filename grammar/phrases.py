@@ -60,6 +60,15 @@ def breaks(words: list[Word], k: int) -> bool:
     return False
 
 
+def asks_at_start(texts: list[str]) -> bool:
+    """Whether the words start with a phrase that asks: `give me a list of`, `tell me the place`."""
+    return any(
+        terminal in ("_SHOW", "_WHERE", "_FIND", "where_last", "_HOWMANY")
+        and texts[: len(parts)] == [*parts]
+        for parts, terminal in phrases().by_first.get(texts[0], ())
+    )
+
+
 def spoken() -> tuple[str, ...]:
     """Return every phrase of the question, for spelling to leave alone."""
     return tuple(" ".join(parts) for entries in phrases().by_first.values() for parts, _ in entries)

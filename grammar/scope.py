@@ -6,6 +6,7 @@ the robot's doings, the weather and the future are out of scope; noise is not un
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import lru_cache
 
 from grammar import speech
@@ -15,7 +16,7 @@ from grammar.errors import NotUnderstood, OutOfScope, QuestionError
 from grammar.forms import ANYTHING, FormalQuery, ObjectTerm
 from grammar.nouns import Noun
 from grammar.nountags import KIN
-from grammar.phrases import phrases
+from grammar.phrases import asks_at_start, phrases
 from grammar.suggestions import suggestions
 from grammar.vocabulary import Lexicon, files
 from grammar.words import Word
@@ -68,6 +69,8 @@ def asks(words: list[Word]) -> bool:
 def without_purpose(words: list[Word]) -> list[Word]:
     """Cut off what only says why one asks: `so i can watch tv`, `to put some snacks`."""
     texts = [w.text for w in words]
+    if texts[-2:] in (["saw", "it"], ["saw", "them"]) and "you" in texts[-4:]:
+        return _last_saw(words)
     if not texts or texts[0] not in ("where", "whereabouts", speech.SEEK, "have", "did", "when"):
         return words
     for i in range(2, len(texts)):
@@ -90,6 +93,20 @@ def without_purpose(words: list[Word]) -> list[Word]:
             return words[:i]
         if texts[i] == "in" and rest[:2] == ["order", "to"]:
             return words[:i]
+    return words
+
+
+def _last_saw(words: list[Word]) -> list[Word]:
+    """Read `when you last saw it` at the end as the word last."""
+    texts = [w.text for w in words]
+    for opening in (
+        ["the", "last", "time", "you"],
+        ["when", "you", "last"],
+        ["when", "last", "you"],
+    ):
+        for i in range(3, len(texts) - len(opening)):
+            if texts[i : i + len(opening)] == opening:
+                return [*words[:i], replace(words[i], text="last")]
     return words
 
 
@@ -139,7 +156,7 @@ def _points(opening: tuple[str, ...], after: tuple[str, ...], it: ObjectTerm | N
 
 def _commanded(texts: list[str], lexicon: Lexicon) -> bool:
     """Whether the first word is an order: `turn on the lights`, not `watch on the bed`."""
-    if len(texts) < 2 or texts[0] not in _lists()["command"]:
+    if len(texts) < 2 or texts[0] not in _lists()["command"] or asks_at_start(texts):
         return False
     if lexicon.known_noun(texts[0]) or texts[0] in lexicon.attributes:
         return texts[1] in DETERMINERS or texts[1] in OWNERS

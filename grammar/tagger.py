@@ -10,7 +10,7 @@ from grammar import numbers
 from grammar.closed import is_open
 from grammar.cursor import DETERMINERS, OWNERS, PRONOUNS, TIME_GAP, Tagged
 from grammar.forms import ObjectTerm, Select
-from grammar.nouns import Noun
+from grammar.nouns import Attribute, Noun
 from grammar.nountags import NounTagger
 from grammar.phrases import phrases
 from grammar.speech import SEEK
@@ -371,6 +371,12 @@ class Tagger(NounTagger):
         number = numbers.cardinal([w.text for w in self.words[self.i : self.i + 2]], 0)
         if number is not None:
             self._emit("NUMBER", number[0], number[1])
+            return True
+        if text in ("left", "right") and self._last() in ("DET", "OWNER", "ATTR"):
+            self._emit("ATTR", Attribute(text, "other"), 1)
+            return True
+        if text == "from" and self._last() in ("MISSING", "MOVED"):
+            self._emit("REL", "on", 1)
             return True
         if text == "at" and self.i + 1 == len(self.words):
             self.i += 1

@@ -14,11 +14,12 @@ def tidied(tags: list[Tag]) -> list[Tag]:
 
 def _fronted(tags: list[Tag]) -> list[Tag]:
     """Put a place that is said first last: `in the hall were the keys on the hook`."""
-    if len(tags) < 2 or tags[0].type != "AT_PLACE":
+    if not tags or tags[0].type not in ("AT_PLACE", "REL"):
         return tags
-    first = 2 if tags[1].type == "COMMA" else 1
-    asks = first < len(tags) and (tags[first].type in ("BE", "AUX") or tags[first].type[0] == "_")
-    return [*tags[first:], tags[0]] if asks else tags
+    asks = (i for i, t in enumerate(tags) if t.type in ("BE", "AUX") or t.type[0] == "_")
+    first = next(asks, 0)
+    front = [t for t in tags[:first] if t.type != "COMMA"]
+    return [*tags[first:], *front]
 
 
 def _commas(tags: list[Tag]) -> list[Tag]:
