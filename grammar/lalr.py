@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -20,6 +21,8 @@ from lark.grammar import Rule
 from lark.lexer import Lexer, TerminalDef
 
 _HERE = Path(__file__).parent
+_TERMINAL = re.compile(r"\b_?[A-Z][A-Z0-9_]*\b")
+_COMMENT = re.compile(r"//.*")
 
 
 class Typed(Lexer):
@@ -35,17 +38,17 @@ class Typed(Lexer):
 
 @dataclass(frozen=True, slots=True)
 class Source:
-    """A grammar: its file, the terminals that its tokens have, and its start rules."""
+    """A grammar: its file and its start rules. Every name in capitals is a terminal of its own."""
 
     name: str
-    terminals: tuple[str, ...]
     start: tuple[str, ...] = ("start",)
 
     @property
     def text(self) -> str:
         """The grammar with its terminals declared."""
         written = (_HERE / self.name).read_text(encoding="utf-8")
-        return f"{written}%declare {' '.join(self.terminals)}\n"
+        terminals = sorted(set(_TERMINAL.findall(_COMMENT.sub("", written))))
+        return f"{written}%declare {' '.join(terminals)}\n"
 
     @property
     def tables(self) -> Path:

@@ -86,7 +86,11 @@ class _Reader(NumberReader):
                 if rest and rest[0] in tw.UNITS:
                     return True
         number = numbers.cardinal(self.words, self.i + k) if self._at(k) else None
-        return number is not None and self._at(k + number[1]) in tw.UNITS
+        if number is None:
+            return False
+        k += number[1]
+        half = [self._at(k + n) for n in range(3)] == ["and", "a", "half"]
+        return self._at(k + 3 * half) in tw.UNITS
 
     # -- phrases and names ----------------------------------------------------------------------
 
@@ -119,6 +123,7 @@ class _Reader(NumberReader):
             or following in ("this", "last", "the", "in", "on", "yesterday", "today")
             or following in tw.WEEKDAY_NUMBER
             or self._is("DAYS", "PARTDAY", "WEEKDAY")
+            or following.isdecimal()
         )
 
     def _retyped(self, kind: str, value: object, length: int) -> TimeToken | None:
@@ -160,6 +165,10 @@ class _Reader(NumberReader):
             if weekend and not self._is("COUNT"):
                 return self._make("WEEKEND", 0, 1)
             return self._make("UNIT", "weekend" if weekend else tw.UNITS[word], 1)
+        if word in tw.UNITS and self._is("EDGE") and self._at(-1) == "the":
+            return self._make("CURRENT", tw.UNITS[word], 1)
+        if word == "year" and self._at(1).isdecimal() and len(self._at(1)) == 4:
+            return self._make("LINK", word, 1)
         if word in tw.FIXED_CLOCKS:
             return self._make("FIXED", tw.FIXED_CLOCKS[word], 1)
         if word in tw.PARTS:

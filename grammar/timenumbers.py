@@ -92,7 +92,7 @@ class NumberReader:
             count, value = 1, 15 if word == "quarter" else 30
         else:
             number = numbers.cardinal(self.words, self.i + skip) if word else None
-            if number is None or not 0 < number[0] < 60 or skip:
+            if number is None or not 0 < number[0] < 60 or skip or self._is("MONTH_OF"):
                 return None
             value, count = number
         count += skip
@@ -131,6 +131,8 @@ class NumberReader:
         if not value:
             return None
         previous = self._at(-1)
+        if self._is("EDGE"):
+            return self._make("YEAR", value, count)
         if self._is("MONTH", "DAY_AFTER", "MONTH_OF", "HOLIDAY", "SEASON", "ORD", "DAY_BEFORE"):
             return self._make("YEAR_OF", value, count)
         if previous in ("in", "of", "since", "during", "before", "after", "until", "from", "to",
@@ -285,6 +287,7 @@ class NumberReader:
         if spoken:
             return self._make("HOUR", value, count)
         plain = not self._noun(following)
+        introduced = introduced or self._is("_CPAST", "_CTO")
         near_day = self._is("WEEKDAY", "DAYS", "PARTDAY", "PART") and (two or plain)
         if (introduced and (plain or two)) or near_day:
             return self._make("HOUR", value, count)

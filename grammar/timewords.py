@@ -51,7 +51,7 @@ PARTS = {
     "dinner": "dinner", "teatime": "tea", "bedtime": "bedtime", "dawn": "dawn", "dusk": "dusk",
     "sunrise": "dawn", "sunset": "dusk", "noontime": "midday",
 }  # fmt: skip
-FIXED_CLOCKS = {"noon": 12, "midnight": 24, "midday": 12}
+FIXED_CLOCKS = {"noon": 12, "midnight": 24, "midday": 12, "mid-day": 12}
 HOLIDAYS = {
     "christmas eve": (12, 24), "christmas day": (12, 25), "christmas": (12, 25),
     "boxing day": (12, 26), "new year's eve": (12, 31), "new years eve": (12, 31),
@@ -196,6 +196,8 @@ PHRASES: dict[str, tuple[str, object]] = {
     "the current": ("_THIS", 0),
     "current": ("_THIS", 0),
     "earlier this": ("_THIS", 0),
+    "later last": ("_LAST", 0),
+    "earlier last": ("_LAST", 0),
     "later this": ("_THIS", 0),
     "earlier today": ("DAYS", 0),
     "later today": ("DAYS", 0),

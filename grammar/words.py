@@ -13,7 +13,7 @@ MAX_WORDS = 60
 """A question of more words is refused: what the parser does is bounded by this."""
 
 _WORD = re.compile(
-    r"\d{4}[-/]\d{1,2}[-/]\d{1,2}(?:[tT]\d{1,2}:\d{2}(?::\d{2})?)?"  # ISO, with or without a time
+    r"\d{4}[-/.]\d{1,2}[-/.]\d{1,2}(?:[tT]\d{1,2}:\d{2}(?::\d{2})?)?"  # ISO, with or without a time
     r"|\d{1,2}[-/.]\d{1,2}[-/.](?:\d{4}|\d{2})(?![\d:])"  # 10/16/2016
     r"|\d{1,2}-[a-zA-Z]{3,9}-\d{2,4}"  # 05-aug-2016
     r"|\d{1,2}/\d{1,2}(?![\d/])"  # 5/15
