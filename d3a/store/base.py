@@ -141,10 +141,14 @@ class Store(Protocol):
         ids: Sequence[str] | None = None,
         categories: Sequence[str] | None = None,
         names: Sequence[str] | None = None,
+        votes: bool = False,
+        embeddings: bool = True,
     ) -> list[ObjectRecord]:
-        """Return objects by id; None: no condition, conditions are and-ed. With embeddings.
+        """Return objects by id; None: no condition, conditions are and-ed.
 
-        categories: the record's `category`, exactly. names: the `word` of a taught name, exactly.
+        categories: the record's `category`, exactly; with `votes` also the categories that only
+        some of its detections had. names: the `word` of a taught name, exactly.
+        embeddings: False leaves them out, which is quicker.
         """
         ...
 
@@ -250,6 +254,13 @@ class Store(Protocol):
 
     def state(self) -> bytes | None:
         """Return the associator's checkpoint."""
+        ...
+
+    def revision(self) -> tuple[int, int] | None:
+        """Return what changes with every write, by whomever: equal revisions, equal answers.
+
+        Only of use to compare with an earlier one of the same open store. None: cannot be told.
+        """
         ...
 
     def counts(self) -> Json:

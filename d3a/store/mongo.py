@@ -149,9 +149,12 @@ class MongoStore:
         ids: Sequence[str] | None = None,
         categories: Sequence[str] | None = None,
         names: Sequence[str] | None = None,
+        votes: bool = False,
+        embeddings: bool = True,
     ) -> list[ObjectRecord]:
-        """Return objects by id, with embeddings."""
-        found = self._all("oic", mongo_read.objects(ids, categories, names))
+        """Return objects by id; see `Store.objects`."""
+        finds = mongo_read.objects(ids, categories, names, votes=votes, embeddings=embeddings)
+        found = self._all("oic", finds)
         return sorted(map(documents.object_record, found), key=lambda record: record.object_id)
 
     def categories(self) -> list[tuple[str, int]]:
@@ -301,6 +304,10 @@ class MongoStore:
             if payload is not None:
                 return payload
         raise StoreError(f"{self.uri}: parts of the checkpoint are missing")
+
+    def revision(self) -> tuple[int, int] | None:
+        """Return None: a server does not count the writes of all its clients."""
+        return None
 
     def counts(self) -> Json:
         """Return how many records of each kind there are, and their size in bytes."""

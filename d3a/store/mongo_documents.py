@@ -67,12 +67,16 @@ def view_id(record: View) -> str:
 
 
 def object_document(record: ObjectRecord) -> Document:
-    """Return a document of `oic`; without an embedding there is no `emb`."""
+    """Return a document of `oic`; without an embedding there is no `emb`.
+
+    votes: the categories that only some of the detections had, to be found by.
+    """
     document = {
         "_id": record.object_id,
         "site": record.site,
         "category": record.category,
         "categories": [[category, float(weight)] for category, weight in record.categories],
+        "votes": [category for category, _ in record.categories if category != record.category],
         "names": [name.word for name in record.names],
         "owners": [name.owner for name in record.names],
         "weight": float(record.weight),

@@ -33,19 +33,28 @@ def _among(ids: Sequence[str]) -> Iterator[Any]:
 
 
 def objects(
-    ids: Sequence[str] | None, categories: Sequence[str] | None, names: Sequence[str] | None
+    ids: Sequence[str] | None,
+    categories: Sequence[str] | None,
+    names: Sequence[str] | None,
+    *,
+    votes: bool = False,
+    embeddings: bool = True,
 ) -> Iterator[Find]:
     """Yield the finds of `Store.objects`."""
+    shown: Document | None = None if embeddings else {"emb": 0}
     asked: Document = {}
-    if categories is not None:
-        asked["category"] = {"$in": [str(category) for category in categories]}
     if names is not None:
         asked["names"] = {"$in": [str(name) for name in names]}
-    if ids is None:
-        yield Find(asked, None)
-    else:
-        for part in _among(ids):
-            yield Find({**asked, "_id": part}, None)
+    ways: list[Document] = [asked]
+    if categories is not None:
+        called = {"$in": [str(category) for category in categories]}
+        fields = ("category", "votes") if votes else ("category",)
+        ways = [{field: called, **asked} for field in fields]  # each by its own index
+    for way in ways:
+        if ids is None:
+            yield Find(way, shown)
+        else:
+            yield from (Find({**way, "_id": part}, shown) for part in _among(ids))
 
 
 def touching(start_ms: int | None, end_ms: int | None, longest_ms: int | None = None) -> Document:

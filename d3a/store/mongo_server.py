@@ -31,7 +31,7 @@ BOUND_M = 10_000
 COLLECTIONS = ("oic", "stc", "keyframes", "encounters", "views", "regions", "recordings", "meta")
 Keys = list[tuple[str, Any]]
 INDEXES: dict[str, list[Keys]] = {
-    "oic": [[("category", 1), ("_id", 1)], [("names", 1)]],
+    "oic": [[("category", 1), ("_id", 1)], [("names", 1)], [("votes", 1)]],
     "stc": [[("object_id", 1), ("last", -1)], [("loc", "2d"), ("last", 1)], [("last", 1)]],
     "encounters": [[("a", 1), ("start", 1)], [("b", 1), ("start", 1)], [("start", 1)]],
     "views": [[("end", 1)]],

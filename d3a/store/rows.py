@@ -27,6 +27,7 @@ OBJECT_COLUMNS = (
     "object_id, category, weight, first_ms, last_ms, site, categories, names, embedding, "
     "embedding_model, extent, tentative, volatile"
 )
+LIGHT_OBJECT_COLUMNS = OBJECT_COLUMNS.replace(" embedding,", " NULL AS embedding,")
 STAY_COLUMNS = (
     "object_id, place, x, y, z, first_ms, last_ms, weight, site, covariance, seen, moved_place, "
     "moved_score, last_absent_ms, tentative, volatile"

@@ -115,6 +115,20 @@ def create_tables(connection: sqlite3.Connection, *, trees: bool) -> None:
 Migration = Callable[[sqlite3.Connection], None]
 
 
+def index_votes(connection: sqlite3.Connection) -> None:
+    """Turn schema 1 into 2: the categories that some detections of an object had, as an index."""
+    connection.execute(
+        "CREATE TABLE oic_vote (category TEXT NOT NULL, object_id TEXT NOT NULL, "
+        "PRIMARY KEY (category, object_id)) WITHOUT ROWID"
+    )
+    connection.execute("CREATE INDEX oic_vote_object ON oic_vote (object_id)")
+    connection.execute(
+        "INSERT OR IGNORE INTO oic_vote SELECT json_extract(vote.value, '$[0]'), object_id "
+        "FROM oic, json_each(oic.categories) AS vote "
+        "WHERE json_extract(vote.value, '$[0]') <> oic.category"
+    )
+
+
 def refuse_future(version: int, newest: int) -> None:
     """Raise StoreError for a schema that a later version of the product has written."""
     if version > newest:

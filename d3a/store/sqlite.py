@@ -154,9 +154,12 @@ class SqliteStore:
         ids: Sequence[str] | None = None,
         categories: Sequence[str] | None = None,
         names: Sequence[str] | None = None,
+        votes: bool = False,
+        embeddings: bool = True,
     ) -> list[ObjectRecord]:
-        """Return objects by id, with embeddings."""
-        return [object_record(r) for r in self._select(sqlite_read.objects(ids, categories, names))]
+        """Return objects by id; see `Store.objects`."""
+        select = sqlite_read.objects(ids, categories, names, votes=votes, embeddings=embeddings)
+        return [object_record(row) for row in self._select(select)]
 
     def categories(self) -> list[tuple[str, int]]:
         """Return (category, objects of it), by category."""
@@ -268,6 +271,12 @@ class SqliteStore:
         """Return the associator's checkpoint."""
         rows = self._rows("SELECT value FROM state")
         return rows[0][0] if rows else None
+
+    def revision(self) -> tuple[int, int] | None:
+        """Return the commits of others that this connection saw, and its own changes."""
+        with self._lock, self._translated():
+            (others,) = self._db.execute("PRAGMA data_version").fetchone()
+            return int(others), self._db.total_changes
 
     def counts(self) -> Json:
         """Return how many records of each kind there are, and the size with the log in bytes."""

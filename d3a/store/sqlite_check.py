@@ -32,6 +32,8 @@ _DANGLING = {
         WHERE a.stay_id IS NULL OR b.stay_id IS NULL""",
     "taught name {} of an object that is not stored": """
         SELECT word FROM oic_name WHERE object_id NOT IN (SELECT object_id FROM oic)""",
+    "vote for {} of an object that is not stored": """
+        SELECT category FROM oic_vote WHERE object_id NOT IN (SELECT object_id FROM oic)""",
     "picture {} is referred to and not stored": """
         SELECT image FROM sighting WHERE image IS NOT NULL
         AND image NOT IN (SELECT key FROM keyframe) UNION

@@ -17,6 +17,7 @@ from typing import Any
 from d3a.store.base import Area
 from d3a.store.rows import (
     ENCOUNTER_COLUMNS,
+    LIGHT_OBJECT_COLUMNS,
     OBJECT_COLUMNS,
     SIGHTING_COLUMNS,
     STAY_COLUMNS,
@@ -84,14 +85,23 @@ def _tree_box(select: Select) -> None:
 
 
 def objects(
-    ids: Sequence[str] | None, categories: Sequence[str] | None, names: Sequence[str] | None
+    ids: Sequence[str] | None,
+    categories: Sequence[str] | None,
+    names: Sequence[str] | None,
+    *,
+    votes: bool = False,
+    embeddings: bool = True,
 ) -> Select:
     """Return the query of `Store.objects`."""
-    select = Select(OBJECT_COLUMNS, "oic", "object_id")
+    select = Select(OBJECT_COLUMNS if embeddings else LIGHT_OBJECT_COLUMNS, "oic", "object_id")
     if ids is not None:
         select.where(_among("object_id", "ids"), ids=_list(ids))
     if categories is not None:
-        select.where(_among("category", "categories"), categories=_list(categories))
+        called = _among("category", "categories")
+        if votes:
+            voted = f"SELECT object_id FROM oic_vote WHERE {called}"
+            called = f"({called} OR object_id IN ({voted}))"
+        select.where(called, categories=_list(categories))
     if names is not None:
         select.where(
             f"object_id IN (SELECT object_id FROM oic_name WHERE {_among('word', 'names')})",

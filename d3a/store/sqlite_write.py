@@ -116,6 +116,7 @@ class Writer:
             for (place,) in places.fetchall():
                 self._remove_stay((object_id, place))
             self._db.execute("DELETE FROM oic_name WHERE object_id = ?", (object_id,))
+            self._db.execute("DELETE FROM oic_vote WHERE object_id = ?", (object_id,))
             self._db.execute("DELETE FROM oic WHERE object_id = ?", (object_id,))
         for object_id, place in batch.removed_stays:
             self._remove_stay((object_id, int(place)))
@@ -161,6 +162,13 @@ class Writer:
         self._db.executemany(
             "INSERT INTO oic_name (word, owner, object_id) VALUES (?, ?, ?)",
             ((n.word, n.owner, r.object_id) for r in last.values() for n in r.names),
+        )
+        self._db.executemany(
+            "DELETE FROM oic_vote WHERE object_id = ?", ((r.object_id,) for r in records)
+        )
+        self._db.executemany(
+            "INSERT OR IGNORE INTO oic_vote (category, object_id) VALUES (?, ?)",
+            ((c, r.object_id) for r in last.values() for c, _ in r.categories if c != r.category),
         )
 
     def _put_stays(self, records: Sequence[StayRecord]) -> None:

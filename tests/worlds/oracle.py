@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -52,6 +53,7 @@ class OracleStore:
         self._meta: dict[str, str] = {}
         self._state: bytes | None = None
         self._embedding_kind: EmbeddingKind | None = None
+        self._written = 0
 
     def close(self) -> None:
         pass
@@ -60,6 +62,7 @@ class OracleStore:
         check_batch(batch)
         check_referred(batch, self._objects, self._stays)
         self._embedding_kind = embedding_kind(batch, self._embedding_kind)
+        self._written += 1
         self._remove(batch)
         self._objects.update((r.object_id, r) for r in batch.objects)
         self._stays.update((r.key, r) for r in batch.stays)
@@ -113,12 +116,17 @@ class OracleStore:
         ids: Sequence[str] | None = None,
         categories: Sequence[str] | None = None,
         names: Sequence[str] | None = None,
+        votes: bool = False,
+        embeddings: bool = True,
     ) -> list[ObjectRecord]:
+        def called(record: ObjectRecord) -> set[str]:
+            return {record.category, *(c for c, _ in record.categories if votes)}
+
         return [
-            record
+            record if embeddings else replace(record, embedding=None)
             for _, record in sorted(self._objects.items())
             if (ids is None or record.object_id in ids)
-            and (categories is None or record.category in categories)
+            and (categories is None or called(record) & set(categories))
             and (names is None or any(name.word in names for name in record.names))
         ]
 
@@ -254,6 +262,9 @@ class OracleStore:
 
     def state(self) -> bytes | None:
         return self._state
+
+    def revision(self) -> tuple[int, int] | None:
+        return 0, self._written
 
     def counts(self) -> Json:
         return {

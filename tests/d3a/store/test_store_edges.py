@@ -6,6 +6,7 @@ from collections.abc import Callable
 from contextlib import closing
 from dataclasses import replace
 from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -234,6 +235,52 @@ def test_embeddings_of_another_length_or_model_are_refused(make_store: MakeStore
         np.testing.assert_array_equal(matrix, np.stack([expected, expected]))
         [found] = store.objects(ids=["a"])
         np.testing.assert_array_equal(found.embedding, expected)
+
+
+def test_objects_are_found_by_what_some_detections_called_them(make_store: MakeStore) -> None:
+    with closing(make_store()) as store:
+        store.apply(
+            Batch(
+                [
+                    cup("a", categories=(("cup", 7.0), ("bowl", 3.0))),
+                    cup("b", category="bowl", embedding=np.ones(64, dtype=np.float32)),
+                    cup("c", categories=(("cup", 2.0),)),
+                ]
+            )
+        )
+
+        def found(category: str, *, votes: bool) -> list[str]:
+            return [o.object_id for o in store.objects(categories=[category], votes=votes)]
+
+        assert found("bowl", votes=False) == ["b"]
+        assert found("bowl", votes=True) == ["a", "b"]
+        assert found("cup", votes=True) == ["a", "c"]
+        store.apply(Batch([cup("a", category="bowl", categories=(("bowl", 8.0), ("cup", 7.0)))]))
+        assert found("bowl", votes=False) == ["a", "b"]
+        assert found("cup", votes=True) == ["a", "c"]
+        store.apply(Batch(removed_objects=["a"]))
+        assert found("cup", votes=True) == ["c"]
+        assert [o.embedding for o in store.objects(ids=["b"], embeddings=False)] == [None]
+
+
+def test_a_revision_changes_with_every_write_and_with_nothing_else(make_store: MakeStore) -> None:
+    with closing(make_store()) as store:
+        before = store.revision()
+        if before is None:
+            pytest.skip("this store does not count the writes of others")
+        store.objects()
+        assert store.revision() == before
+        store.apply(Batch([cup()]))
+        assert store.revision() != before
+
+
+def test_a_revision_counts_the_writes_of_another_connection(tmp_path: Path) -> None:
+    path = str(tmp_path / "home.db")
+    with closing(open_store(path)) as writer, closing(open_store(path, read_only=True)) as reader:
+        before = reader.revision()
+        assert reader.revision() == before
+        writer.apply(Batch([cup()]))
+        assert reader.revision() != before
 
 
 HOSTILE = ["$where", "a.b", "{$gt: ''}", "'; DROP TABLE oic; --", "%", "键🔑", "\x1b[31m", "a:0:1"]

@@ -18,7 +18,7 @@ from d3a.store import mask, open_store
 from d3a.store.base import Batch, ObjectRecord, StoreError, StoreUnreachable
 from d3a.store.mongo_server import check_version, open_mongo
 from d3a.store.schema import APPLICATION_ID
-from d3a.store.sqlite_file import open_sqlite
+from d3a.store.sqlite_file import MIGRATIONS, open_sqlite
 
 
 @pytest.mark.parametrize("form", ["{}", "sqlite:///{}"])
@@ -104,20 +104,35 @@ def test_a_newer_schema_is_refused_and_an_older_one_migrated(tmp_path: Path) -> 
         raise sqlite3.OperationalError("the disk is full")
 
     with pytest.raises(StoreUnreachable, match="disk is full"):
-        open_sqlite(path, migrations=(add_table, fail))
-    with pytest.raises(StoreError, match="old schema 1"):
-        open_sqlite(path, read_only=True, migrations=(add_table,))
-    with closing(open_sqlite(path, migrations=(add_table,))) as store:
+        open_sqlite(path, migrations=(*MIGRATIONS, add_table, fail))
+    with pytest.raises(StoreError, match="old schema 2"):
+        open_sqlite(path, read_only=True, migrations=(*MIGRATIONS, add_table))
+    with closing(open_sqlite(path, migrations=(*MIGRATIONS, add_table))) as store:
         assert [record.object_id for record in store.objects()] == ["a"]
     with closing(sqlite3.connect(path)) as connection:
-        assert connection.execute("PRAGMA user_version").fetchone() == (2,)
+        assert connection.execute("PRAGMA user_version").fetchone() == (3,)
         assert connection.execute("PRAGMA application_id").fetchone() == (APPLICATION_ID,)
         names = {name for (name,) in connection.execute("SELECT name FROM sqlite_master")}
     assert "added" in names
     assert "half" not in names
     for read_only in (False, True):
-        with pytest.raises(StoreError, match=r"schema 2.*update d3a"):
+        with pytest.raises(StoreError, match=r"schema 3.*update d3a"):
             open_store(str(path), read_only=read_only)
+
+
+def test_a_file_of_schema_1_gets_the_index_of_votes(tmp_path: Path) -> None:
+    path = tmp_path / "home.db"
+    votes = (("cup", 7.0), ("bowl", 3.0))
+    with closing(open_store(str(path))) as store:
+        store.apply(Batch([ObjectRecord("a", "cup", 1.0, 0, 0, categories=votes)]))
+    with closing(sqlite3.connect(path)) as connection:  # as the first release made it
+        connection.execute("DROP TABLE oic_vote")
+        connection.execute("PRAGMA user_version = 1")
+        connection.commit()
+    with closing(open_store(str(path))) as store:
+        assert [o.object_id for o in store.objects(categories=["bowl"], votes=True)] == ["a"]
+        store.apply(Batch(removed_objects=["a"]))
+        assert store.check() == []
 
 
 def test_two_processes_may_make_one_store(tmp_path: Path) -> None:

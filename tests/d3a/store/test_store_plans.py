@@ -31,6 +31,7 @@ Ask = Callable[[Store], object]
 ASKED: dict[str, Ask] = {
     "category": lambda s: s.objects(categories=["cup"]),
     "ids": lambda s: s.objects(ids=["a"]),
+    "votes": lambda s: s.objects(categories=["cup"], votes=True, embeddings=False),
     "names": lambda s: s.objects(names=["keys"]),
     "sightings of one": lambda s: s.sightings(object_ids=["a"], start_ms=5),
     "sightings in time": lambda s: s.sightings(start_ms=5),
@@ -50,6 +51,7 @@ ASKED: dict[str, Ask] = {
 SQLITE_INDEX = {
     "category": "oic_category",
     "ids": "sqlite_autoindex_oic_1",
+    "votes": "oic_category, sqlite_autoindex_oic_1",  # and the key of oic_vote
     "names": "sqlite_autoindex_oic_1, oic_name_word",
     "sightings of one": "sighting_object_start",
     "sightings in time": "sighting_start",
@@ -69,6 +71,7 @@ SQLITE_INDEX = {
 MONGO_INDEX = {
     "category": ["category_1__id_1"],
     "ids": ["_id_"],
+    "votes": ["category_1__id_1", "votes_1"],
     "names": ["names_1"],
     "sightings of one": ["object_id_1_last_-1"],
     "sightings in time": ["last_1"],
