@@ -6,11 +6,12 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from datetime import datetime
 from time import perf_counter
-from typing import Literal, cast
+from typing import Literal, cast, get_args
 from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 
 from assistant.lexicon import VocabularyLexicon
 from assistant.reply import sentence
+from assistant.tense import as_of_now
 from d3a.answer import Answer, Status
 from d3a.conclude import within
 from d3a.execute import execute
@@ -26,7 +27,7 @@ from grammar.notation import looks_formal, read
 
 TOLD_FROM = 50
 """The sentence is told from so many keyframes, however few of them are shown."""
-PRECISIONS: tuple[Precision, ...] = ("perfect", "category", "any")
+PRECISIONS: tuple[Precision, ...] = get_args(Precision)
 
 
 @dataclass(frozen=True, slots=True)
@@ -142,7 +143,7 @@ def ask(
 ) -> Answer:
     """Answer a question, in words or in the formal notation.
 
-    now: aware, in the home's zone; see `store_now`. precision: "perfect", "category" or "any"
+    now: aware, in the home's zone; see `store_now`. precision: one of `d3a.steps.Precision`,
     forces a rung of the matching ladder. A question that cannot be answered and a store that
     fails are answers with their status, never an exception.
     """
@@ -190,8 +191,9 @@ def ask_query(
     rung = _precision(precision)
     try:
         parameters = facts.parameters()
+        meant = as_of_now(query)
         answer = execute(
-            plan(query, parameters=parameters, precision=rung),
+            plan(meant, parameters=parameters, precision=rung),
             store,
             VocabularyLexicon(),
             now=now,
@@ -201,7 +203,8 @@ def ask_query(
         )
     except StoreError as error:
         return replace(failure(query.text, error), query=query)
-    answer = within(replace(answer, answer=sentence(answer, now=now)), limit)
+    said = sentence(answer, now=now)
+    answer = within(replace(answer, query=query, answer=said), limit)
     return replace(answer, elapsed_ms=answer.elapsed_ms | {"total": _ms_since(started)})
 
 
@@ -212,7 +215,7 @@ def explain(store: Store, text: str, *, now: datetime) -> Explanation:
     query = read_question(store, text, now=now)
     parsed_ms = _ms_since(started)
     parameters = Facts(store).parameters()
-    steps = plan(query, parameters=parameters)
+    steps = plan(as_of_now(query), parameters=parameters)
     store.tracing(native.append)
     try:
         answer = execute(

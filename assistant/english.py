@@ -14,19 +14,35 @@ MONTHS = (
     *("October", "November", "December"),
 )
 NUMBERS = ("no", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten")
+_UNITS = (
+    ("second", 1.0, 60.0),
+    ("minute", 60.0, 3600.0),
+    ("hour", 3600.0, 48 * 3600.0),
+    ("day", 86400.0, 60 * 86400.0),
+    ("month", 30.44 * 86400.0, 24 * 30.44 * 86400.0),
+    ("year", 365.25 * 86400.0, float("inf")),
+)
+"""Units of time, their seconds, and up to where a length is told in them."""
+_ROUGH_FROM_S = 60 * 86400.0
+_SLIGHT, _ALMOST = 0.1, 0.75
 _SILENT_H = ("hour", "honest", "heir")
 _YOU_SOUND = ("uni", "use", "uku", "eu", "one", "ute")
-_ALWAYS_MANY = frozenset(
-    {"scissors", "glasses", "sunglasses", "spectacles", "trousers", "jeans", "pants", "shorts"}
-    | {"pliers", "headphones", "clothes", "pajamas", "pyjamas", "tweezers", "binoculars"}
-    | {"tights", "leggings", "stairs"}
+_PAIRS = frozenset(
+    {"scissors", "glasses", "eyeglasses", "sunglasses", "spectacles", "specs", "goggles", "shades"}
+    | {"trousers", "jeans", "pants", "shorts", "tights", "leggings", "pajamas", "pyjamas"}
+    | {"pliers", "tweezers", "tongs", "binoculars", "headphones", "chopsticks"}
 )
+"""Two halves make one of it: it is counted in pairs."""
+_PLENTY = frozenset(
+    {"clothes", "stairs", "blinds", "groceries", "cosmetics", "sweets", "meds", "dentures", "skis"}
+)
+"""These have no singular either, and are not counted."""
 
 
 def article(words: str) -> str:
-    """Return the words with "a" or "an"; what is always many gets "some"."""
+    """Return the words with "a" or "an"; "a pair of scissors", "some groceries"."""
     if is_many(words):
-        return f"some {words}"
+        return f"a pair of {words}" if _head(words) in _PAIRS else f"some {words}"
     first = words.lower()
     vowel = first[:1] in "aeio" or first.startswith(_SILENT_H)
     vowel = (vowel or (first[:1] == "u")) and not first.startswith(_YOU_SOUND)
@@ -34,8 +50,12 @@ def article(words: str) -> str:
 
 
 def is_many(words: str) -> bool:
-    """Whether the noun has no singular: scissors, glasses."""
-    return words.rpartition(" ")[2].lower() in _ALWAYS_MANY
+    """Whether the noun has no singular: scissors, glasses, groceries."""
+    return _head(words) in _PAIRS or _head(words) in _PLENTY
+
+
+def _head(words: str) -> str:
+    return words.rpartition(" ")[2].lower()
 
 
 def plural(words: str) -> str:
@@ -44,8 +64,10 @@ def plural(words: str) -> str:
 
 
 def counted(number: int, words: str) -> str:
-    """Return "two cups", "one cup", "no cups", "12 cups"."""
+    """Return "two cups", "one cup", "no cups", "12 cups", "two pairs of glasses"."""
     said = NUMBERS[number] if 0 <= number < len(NUMBERS) else str(number)
+    if _head(words) in _PAIRS and number > 0:
+        return f"{said} {'pair' if number == 1 else 'pairs'} of {words}"
     return f"{said} {words if number == 1 else plural(words)}"
 
 
@@ -99,22 +121,30 @@ def ago(moment: datetime, now: datetime) -> str:
     if seconds < 60:
         return "just now"
     days = (now.date() - moment.astimezone(now.tzinfo).date()).days
-    if 2 * 86400 <= seconds < 60 * 86400:
+    if 2 * 86400 <= seconds < _ROUGH_FROM_S:
         return f"{days} days ago"
+    if seconds >= _ROUGH_FROM_S:
+        return f"{_rough(seconds)} ago"
     return f"{duration(seconds)} ago"
+
+
+def _rough(seconds: float) -> str:
+    """Return months and years as people round them: "almost 7 years", "over 6 years".
+
+    A tenth of a unit more or less is not told; from three quarters on it is almost the next.
+    """
+    name, unit, _ = _UNITS[-1] if seconds >= _UNITS[-2][2] else _UNITS[-2]
+    whole, part = divmod(seconds / unit, 1.0)
+    number = int(whole) + (part >= _ALMOST)
+    said = f"{number} {name}{'' if number == 1 else 's'}"
+    if part < _SLIGHT or part > 1 - _SLIGHT:
+        return said
+    return f"almost {said}" if part >= _ALMOST else f"over {said}"
 
 
 def duration(seconds: float) -> str:
     """Return a length of time in its largest unit, rounded: "25 minutes", "3 days"."""
-    steps = (
-        ("second", 1.0, 60.0),
-        ("minute", 60.0, 3600.0),
-        ("hour", 3600.0, 48 * 3600.0),
-        ("day", 86400.0, 60 * 86400.0),
-        ("month", 30.44 * 86400.0, 24 * 30.44 * 86400.0),
-        ("year", 365.25 * 86400.0, float("inf")),
-    )
-    for (name, unit, limit), following in zip(steps, (*steps[1:], steps[-1]), strict=True):
+    for (name, unit, limit), following in zip(_UNITS, (*_UNITS[1:], _UNITS[-1]), strict=True):
         number = round(seconds / unit)
         if seconds < limit and number * unit < limit:
             return f"{number} {name}{'' if number == 1 else 's'}"

@@ -4,9 +4,19 @@ from __future__ import annotations
 
 from datetime import datetime
 
-from assistant.english import article, clock, day_of, listed, sentence_case
+from assistant.english import (
+    NUMBERS,
+    article,
+    clock,
+    day_of,
+    is_many,
+    listed,
+    plural,
+    sentence_case,
+)
 from d3a.answer import Answer, RankedKeyframe
 from d3a.colours import is_colour
+from d3a.rank import LEAST_OF_BEST
 from grammar import vocabulary
 from grammar.forms import ANYTHING, FormalQuery, ObjectTerm
 
@@ -51,20 +61,65 @@ def definite(term: ObjectTerm, words: str) -> str:
     return f"{sentence_case(term.owner)}'s {words}" if term.owner else f"the {words}"
 
 
-def indefinite(term: ObjectTerm, words: str) -> str:
-    """Return the words with the owner or an article: "your keys", "an orange bowl"."""
-    return definite(term, words) if term.owner else article(words)
+def indefinite(term: ObjectTerm, words: str, *, many: bool = False) -> str:
+    """Return the words with the owner or an article: "your keys", "an orange bowl".
+
+    many: they are in the plural, as they were said: "keys"; what has no singular has its pair.
+    """
+    if term.owner:
+        return definite(term, words)
+    return words if many and not is_many(words) else article(words)
+
+
+def said_many(query: FormalQuery, term: ObjectTerm) -> bool:
+    """Whether a noun was said in the plural, or has no singular: keys, scissors.
+
+    The query holds the singular alone; the question's own words tell the rest.
+    """
+    if is_many(term.word):
+        return True
+    words = ["".join(ch for ch in w if ch.isalnum() or ch in "'-") for w in query.text.split()]
+    words = [w.lower().removesuffix("'s") for w in words]
+    length = len(term.word.split())
+    windows = (" ".join(words[i : i + length]) for i in range(len(words) - length + 1))
+    return any(w != term.word and vocabulary.singular(w) == term.word for w in windows)
+
+
+def kind_of(keyframe: RankedKeyframe) -> str:
+    """Return what a keyframe's object is called: the vocabulary's word for its category."""
+    return vocabulary.canonical(keyframe.category)
 
 
 def found_words(answer: Answer, query: FormalQuery) -> str:
-    """Return what was found, as found: a wider or narrower word is said as the store has it."""
+    """Return what was found, as found, in the number that it was said in.
+
+    A wider or narrower word is said as the store has it.
+    """
     term, best = term_of(query), answer.keyframes[0] if answer.keyframes else None
+    noun = noun_of(term)
     match = best.why.get("match", 1.0) if best else 1.0
-    if best is None or (term.category != ANYTHING and match >= _SCORE_OF_WORD):
-        return described(term, answer.unjudged)
-    if term.category != ANYTHING and vocabulary.canonical(best.category) == term.category:
-        return described(term, answer.unjudged)
-    return described(term, answer.unjudged, noun=vocabulary.canonical(best.category))
+    if best is not None and (term.category == ANYTHING or match < _SCORE_OF_WORD):
+        # a minority of its views may have been called what was asked for: then that is its word
+        noun = noun if is_called(best, term) else kind_of(best)
+    return numbered(query, term, answer.unjudged, noun=noun)
+
+
+def is_called(keyframe: RankedKeyframe, term: ObjectTerm) -> bool:
+    """Whether the detector's word for a keyframe's object is the one asked for."""
+    return term.category != ANYTHING and kind_of(keyframe) == term.category
+
+
+def numbered(
+    query: FormalQuery,
+    term: ObjectTerm,
+    unjudged: tuple[str, ...] = (),
+    *,
+    noun: str | None = None,
+) -> str:
+    """Return noun and attributes in the number that the noun was said in."""
+    noun = noun or noun_of(term)
+    many = term.category != ANYTHING and said_many(query, term)
+    return described(term, unjudged, noun=plural(noun) if many else noun)
 
 
 def condition_words(answer: Answer, query: FormalQuery) -> str:
@@ -73,7 +128,8 @@ def condition_words(answer: Answer, query: FormalQuery) -> str:
     if query.relation is not None and len(query.objects) > 1:
         kind = _RELATIONS.get(query.relation.kind, query.relation.kind)
         grounds = query.objects[1:]
-        said = listed([definite(term, described(term, answer.unjudged)) for term in grounds])
+        told = [definite(term, numbered(query, term, answer.unjudged)) for term in grounds]
+        said = listed(told)
         plain = f"the {described(grounds[-1])}"
         if not any(condition.endswith(plain) for condition in answer.unjudged):
             absent = query.negated and query.ask != "whether"
@@ -84,17 +140,41 @@ def condition_words(answer: Answer, query: FormalQuery) -> str:
     return words
 
 
-def where_words(keyframe: RankedKeyframe) -> str:
-    """Return where a keyframe's object was: room and landmark, else the map; "" if unknown."""
+def where_words(keyframe: RankedKeyframe, query: FormalQuery) -> str:
+    """Return where a keyframe's object was: room and landmark; "" where it is unknown.
+
+    What the question itself named is not told again. Where nothing near has a name, the nearest
+    thing that has one, with its distance.
+    """
     parts = []
-    if keyframe.place:
+    if keyframe.place and keyframe.place != query.place:
         parts.append(f"in the {keyframe.place}")
-    if keyframe.near:
+    if keyframe.near and not _is_named(keyframe.near, query):
         parts.append(f"next to the {keyframe.near}")
-    if not parts and keyframe.position is not None:
-        x, y, _ = keyframe.position
-        return f"at {x:.1f}, {y:.1f} metres on the map"
+    if not keyframe.place and not keyframe.near and keyframe.beyond is not None:
+        landmark, metres = keyframe.beyond
+        parts.append(f"about {_metres(metres)} from the {landmark}")
     return ", ".join(parts)
+
+
+def _metres(distance: float) -> str:
+    number = max(2, round(distance))  # nearer things are landmarks beside it
+    return f"{NUMBERS[number] if number < len(NUMBERS) else number} metres"
+
+
+def _is_named(landmark: str, query: FormalQuery) -> bool:
+    """Whether the question was about that landmark: on the table, next to the table."""
+    relations = query.relation is not None and query.relation.kind in ("on", "near", "in", "under")
+    kinds = {landmark, *vocabulary.broader(landmark)}
+    return relations and any(term.category in kinds for term in query.objects[1:])
+
+
+def nowhere_words(keyframe: RankedKeyframe) -> str:
+    """Return that a place has no name, with its coordinates where it has any."""
+    if keyframe.position is None:
+        return "I do not know the place"
+    x, y, _ = keyframe.position
+    return f"I have no name for the place (x {x:.1f}, y {y:.1f} on the map)"
 
 
 def heads_of(answer: Answer) -> list[RankedKeyframe]:
@@ -114,15 +194,23 @@ def places_of(heads: list[RankedKeyframe]) -> int:
     return len({(k.object_id, k.position) for k in heads})
 
 
+def likely_of(answer: Answer) -> list[RankedKeyframe]:
+    """Return the heads that are at least half as likely as the best: what is told as seen."""
+    heads = heads_of(answer)
+    best = max((k.score for k in heads), default=0.0)
+    return [k for k in heads if k.score >= LEAST_OF_BEST * best]
+
+
 def newest_of(answer: Answer) -> RankedKeyframe:
-    """Return the keyframe that was seen last, the better ranked of two."""
-    return max(heads_of(answer), key=lambda k: (k.end, -k.rank))
+    """Return the likely keyframe that was seen last, the better ranked of two."""
+    return max(likely_of(answer), key=lambda k: (k.end, -k.rank))
 
 
-def gone_words(keyframe: RankedKeyframe, now: datetime) -> str:
+def gone_words(keyframe: RankedKeyframe, now: datetime, *, many: bool = False) -> str:
     """Return that the place was empty later, "" where nobody looked or it was still there."""
     absent = keyframe.last_absent
     if absent is None:
         return ""
     local = absent.astimezone(now.tzinfo)
-    return f"When I looked there again {day_of(local, now)} at {clock(local)}, it was gone."
+    pronoun = "they were" if many else "it was"
+    return f"When I looked there again {day_of(local, now)} at {clock(local)}, {pronoun} gone."

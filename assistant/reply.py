@@ -11,14 +11,13 @@ from collections.abc import Callable
 from datetime import datetime
 
 from assistant.english import (
+    NUMBERS,
     article,
     clock,
     counted,
     day_of,
     duration,
-    is_many,
     listed,
-    plural,
     sentence_case,
     slice_words,
     times,
@@ -32,17 +31,24 @@ from assistant.phrases import (
     gone_words,
     heads_of,
     indefinite,
+    kind_of,
+    likely_of,
     newest_of,
-    noun_of,
+    nowhere_words,
+    numbered,
     places_of,
+    said_many,
     term_of,
     where_words,
 )
-from assistant.wording import how_sure
+from assistant.refusals import refusal_words
+from assistant.wording import NOT_SURE, how_sure
 from d3a.answer import Answer, RankedKeyframe
 from d3a.colours import is_colour
-from grammar import vocabulary
 from grammar.forms import ANYTHING, Ask, FormalQuery, ObjectTerm, TimeSlice
+
+_LISTED = 3
+"""So many things of a longer list are told one by one; the rest stand in the table."""
 
 
 def sentence(answer: Answer, *, now: datetime) -> str:
@@ -52,14 +58,24 @@ def sentence(answer: Answer, *, now: datetime) -> str:
     """
     if answer.query is None:
         return answer.answer or answer.message or ""
-    if answer.status != "found":
-        parts = [_refusal(answer, answer.query, now)]
+    if answer.status == "found" and _is_all_unjudged(answer, answer.query):
+        parts = []
+    elif answer.status != "found":
+        parts = [refusal_words(answer, answer.query, now)]
     else:
         parts = [_ASKED[answer.query.ask](answer, answer.query, now)]
         parts.append(_sureness(answer, answer.query))
     if answer.unjudged:
         parts.append(_unjudged(answer))
     return " ".join(part for part in parts if part)
+
+
+def _is_all_unjudged(answer: Answer, query: FormalQuery) -> bool:
+    """Whether what was asked for is only where it is, and that cannot be told: all is nothing."""
+    conditions = (query.relation is not None) + (query.place is not None)
+    anything = term_of(query).category == ANYTHING and not term_of(query).attributes
+    listing = query.ask in ("what", "whether", "count") and query.time is None
+    return anything and listing and 0 < conditions <= len(answer.unjudged)
 
 
 def _is_open(query: FormalQuery) -> bool:
@@ -71,27 +87,29 @@ def _is_open(query: FormalQuery) -> bool:
 def _whether(answer: Answer, query: FormalQuery, now: datetime) -> str:
     if _is_open(query):
         return f"{'No, there was:' if query.negated else 'Yes.'} {_what(answer, query, now)}"
-    words, condition = found_words(answer, query), condition_words(answer, query)
-    thing = indefinite(term_of(query), words)
-    heads, newest = heads_of(answer), newest_of(answer)
-    quantity = term_of(query).quantity
-    if quantity is not None and answer.count < quantity:
-        only = counted(answer.count, words)
-        return f"No. I saw only {only}{condition}, last {when(newest.end, now)}."
-    opening = "No, there was:" if query.negated else "Yes."
-    if quantity is not None:
-        thing = counted(answer.count, words)
-    where = where_words(newest)
-    where = f", {where}" if where else ""
+    term, condition = term_of(query), condition_words(answer, query)
+    many = said_many(query, term)
+    heads, newest = likely_of(answer), newest_of(answer)
     said = when(newest.end, now)
-    if len(heads) == 1:
-        told = f"{opening} I saw {thing}{condition} {said}{where}."
+    opening = "No, there was:" if query.negated else "Yes."
+    if term.quantity is not None:
+        words = counted(answer.count, described(term, answer.unjudged))
+        if answer.count < term.quantity:
+            return f"No. I saw only {words}{condition}, last {said}."
+        thing = words
+    else:
+        thing = indefinite(term, found_words(answer, query), many=many)
+    where = where_words(newest, query)
+    where = f", {where}" if where else ""
+    last = "last " if query.select == "last" else ""
+    if len(heads) == 1 or last:
+        told = f"{opening} I {last}saw {thing}{condition} {said}{where}."
     else:
         number = places_of(heads)
         spread = counted(number, "place")
         more = f"{times(len(heads))}{' or more' if answer.truncated else ''}"
         told = f"{opening} I saw {thing}{condition} {more} in {spread}, last {said}{where}."
-    return f"{told} {gone_words(newest, now)}".strip()
+    return f"{told} {gone_words(newest, now, many=many)}".strip()
 
 
 def _where(answer: Answer, query: FormalQuery, now: datetime) -> str:
@@ -103,16 +121,19 @@ def _where(answer: Answer, query: FormalQuery, now: datetime) -> str:
     if query.relation is None and len(query.objects) > 1:
         return _where_each(answer, query, now)
     words = f"{definite(term, found_words(answer, query))}{condition_words(answer, query)}"
-    where, last = where_words(best), "last " if query.select == "last" else ""
+    where, last = where_words(best, query), "last " if query.select == "last" else ""
     first = "first " if query.select == "first" else ""
-    gone = gone_words(best, now) if query.select == "last" else ""
+    many = said_many(query, term)
+    gone = gone_words(best, now, many=many) if query.select == "last" else ""
     if "same" in best.why:  # the detector had another word for it there
-        words += f" (or {article(vocabulary.canonical(best.category))} like it)"
-    if not where:
-        told = f"I {last}{first}saw {words} {when(best.end, now)}, but I do not know the place."
-    else:
+        words += f" (or {article(kind_of(best))} like {'them' if many else 'it'})"
+    if where:
         told = f"{sentence_case(where)}. I {last}{first}saw {words} there {when(best.end, now)}."
-    others = places_of(heads_of(answer)) - 1
+    else:
+        known = best.place or best.near  # named by the question, and so not told again
+        blank = "" if known else f", but {nowhere_words(best)}"
+        told = f"I {last}{first}saw {words} {when(best.end, now)}{blank}."
+    others = places_of(likely_of(answer)) - 1
     if others and query.select == "all":
         told += f" I also saw {'one' if others == 1 else 'such things'} in "
         told += f"{counted(others, 'other place')}."
@@ -127,14 +148,15 @@ def _where_then(answer: Answer, query: FormalQuery, at: datetime, now: datetime)
     before = next((k for k in heads if k.start <= at), None)
     after = next((k for k in heads if k.start > at), None)
     if before is not None:
-        where = sentence_case(where_words(before) or "at a place I cannot name")
+        where = sentence_case(where_words(before, query) or "At a place that has no name")
         if before.end >= at:
             return f"{where}. I was seeing {thing} there {slice_words(TimeSlice(at, at), now)}."
         told.append(f"{where}. I had last seen {thing} there {when(before.end, now)}.")
     if after is not None:
-        where = where_words(after)
+        where = where_words(after, query)
         there = f", {where}" if where else ""
-        thing = "it" if before is not None else thing
+        pronoun = "them" if said_many(query, term_of(query)) else "it"
+        thing = pronoun if before is not None else thing
         told.append(f"I saw {thing} next {when(after.start, now)}{there}.")
     return " ".join(told)
 
@@ -144,11 +166,11 @@ def _where_each(answer: Answer, query: FormalQuery, now: datetime) -> str:
     told = []
     for term in query.objects:
         best = next((k for k in answer.keyframes if _is_of(k, term)), None)
-        words = described(term, answer.unjudged)
+        words = numbered(query, term, answer.unjudged)
         if best is None:
             told.append(f"I found no {words}.")
             continue
-        where = where_words(best)
+        where = where_words(best, query)
         there = f", {where}" if where else ""
         last = "last " if query.select == "last" else ""
         told.append(f"I {last}saw {definite(term, words)} {when(best.end, now)}{there}.")
@@ -157,7 +179,7 @@ def _where_each(answer: Answer, query: FormalQuery, now: datetime) -> str:
 
 def _is_of(keyframe: RankedKeyframe, term: ObjectTerm) -> bool:
     judged = keyframe.why.get("attributes", {})
-    same = vocabulary.canonical(keyframe.category) == term.category
+    same = kind_of(keyframe) == term.category
     return same and all(word in judged for word in term.attributes if is_colour(word))
 
 
@@ -167,21 +189,23 @@ def _usual(answer: Answer, query: FormalQuery) -> str:
     best = answer.keyframes[0].object_id
     for keyframe in [k for k in heads_of(answer) if k.object_id == best][:3]:
         share = round(100 * keyframe.why.get("share", 1.0))
-        spots.append(f"{where_words(keyframe) or 'a place I cannot name'} ({share} %)")
+        spots.append(f"{where_words(keyframe, query) or 'at a place that has no name'} ({share} %)")
     thing = definite(term, found_words(answer, query))
     return f"Most of the time I saw {thing} {listed(spots)}."
 
 
 def _when(answer: Answer, query: FormalQuery, now: datetime) -> str:
     thing = definite(term_of(query), found_words(answer, query)) + condition_words(answer, query)
-    heads, best = heads_of(answer), answer.keyframes[0]
-    where = where_words(best)
+    heads, best = likely_of(answer), answer.keyframes[0]
+    where = where_words(best, query)
     there = f", {where}" if where else ""
     if query.select in ("last", "first"):
         moment = best.end if query.select == "last" else best.start
         told = f"{sentence_case(when(moment, now))}{there}. "
         told += f"That is when I {query.select} saw {thing}."
-        return f"{told} {gone_words(best, now) if query.select == 'last' else ''}".strip()
+        many = said_many(query, term_of(query))
+        gone = gone_words(best, now, many=many) if query.select == "last" else ""
+        return f"{told} {gone}".strip()
     if len(heads) == 1:
         return f"{sentence_case(when(best.end, now))}{there}. I saw {thing} once."
     first = min(heads, key=lambda k: (k.start, k.rank)).start.astimezone(now.tzinfo)
@@ -192,13 +216,18 @@ def _when(answer: Answer, query: FormalQuery, now: datetime) -> str:
 
 
 def _what(answer: Answer, query: FormalQuery, now: datetime) -> str:
-    seen = {k.object_id: vocabulary.canonical(k.category) for k in heads_of(answer)}
+    heads = heads_of(answer)
+    sure = [k for k in heads if k.score >= NOT_SURE] or heads  # the rest stands in the table
+    seen = {k.object_id: kind_of(k) for k in sure}
     kinds = Counter(seen.values())
     things = [article(kind) if n == 1 else counted(n, kind) for kind, n in kinds.most_common(8)]
-    if len(kinds) > len(things):
+    if len(kinds) > len(things) or answer.count > len({k.object_id for k in heads}):
         things.append("other things")
-    newest = newest_of(answer)
-    return f"I saw {listed(things)}{condition_words(answer, query)}, last {when(newest.end, now)}."
+    newest = when(newest_of(answer).end, now)
+    condition = condition_words(answer, query)
+    if query.select == "last":
+        return f"I last saw {listed(things)}{condition}, the newest {newest}."
+    return f"I saw {listed(things)}{condition}, last {newest}."
 
 
 def _count(answer: Answer, query: FormalQuery, now: datetime) -> str:
@@ -228,23 +257,34 @@ def _how_often(answer: Answer, query: FormalQuery, now: datetime) -> str:
 
 def _moved(answer: Answer, query: FormalQuery, now: datetime) -> str:
     told = []
-    for keyframe in heads_of(answer)[:3]:
-        where = where_words(keyframe) or "to a place I cannot name"
-        kind = vocabulary.canonical(keyframe.category)
-        told.append(f"the {kind}, seen {where} {when(keyframe.start, now)}")
-    number = counted(answer.count, "thing")
-    return f"{sentence_case(number)} moved: {listed(told)}."
+    for keyframe in _each_once(answer)[:_LISTED]:
+        where = where_words(keyframe, query) or "at a place that has no name"
+        told.append(f"the {kind_of(keyframe)}, seen {where} {when(keyframe.start, now)}")
+    return f"{sentence_case(counted(answer.count, 'thing'))} moved{_among(told, answer)}."
 
 
 def _missing(answer: Answer, query: FormalQuery, now: datetime) -> str:
     told = []
-    for keyframe in heads_of(answer)[:3]:
-        kind = vocabulary.canonical(keyframe.category)
-        where = where_words(keyframe)
-        told.append(f"the {kind}, last seen {where} {when(keyframe.end, now)}".replace("  ", " "))
-    number = counted(answer.count, "thing")
+    for keyframe in _each_once(answer)[:_LISTED]:
+        where = where_words(keyframe, query)
+        there = f" {where}," if where else ""
+        told.append(f"the {kind_of(keyframe)}, last seen{there} {when(keyframe.end, now)}")
     verb = "is" if answer.count == 1 else "are"
-    return f"{sentence_case(number)} {verb} no longer in place: {listed(told)}."
+    number = sentence_case(counted(answer.count, "thing"))
+    return f"{number} {verb} no longer in place{_among(told, answer)}."
+
+
+def _each_once(answer: Answer) -> list[RankedKeyframe]:
+    """Return the best ranked keyframe of each object: a thing may have moved twice."""
+    return list({k.object_id: k for k in reversed(heads_of(answer))}.values())[::-1]
+
+
+def _among(told: list[str], answer: Answer) -> str:
+    """Return a list of things, and that it is not all of them where it is not.
+
+    Each has commas of its own, so that they are parted by semicolons.
+    """
+    return f"{', among them' if len(told) < answer.count else ''}: {'; '.join(told)}"
 
 
 def _sureness(answer: Answer, query: FormalQuery) -> str:
@@ -261,69 +301,20 @@ def _sureness(answer: Answer, query: FormalQuery) -> str:
     rivals = [k for k in heads_of(answer)[1:] if k.object_id != best.object_id]
     close = [k for k in rivals if k.score >= 0.8 * best.score]
     if query.ask == "where" and close:
-        return f"{said}: {counted(len({k.object_id for k in close}), 'thing')} more may be meant."
+        return _others(len({k.object_id for k in close}), said_many(query, term_of(query)))
     return f"{said}: seen {times(views)}."
+
+
+def _others(number: int, many: bool) -> str:
+    """Return how many things as likely there are: which one is meant, they cannot tell."""
+    said = NUMBERS[number] if number < len(NUMBERS) else str(number)
+    verb = "is" if number == 1 else "are"
+    return f"There {verb} {said} more {'they' if many else 'it'} could be."
 
 
 def _unjudged(answer: Answer) -> str:
     """Return what this memory cannot tell of the question."""
     return f"I cannot tell what is {listed([f'“{words}”' for words in answer.unjudged])} here."
-
-
-def _refusal(answer: Answer, query: FormalQuery, now: datetime) -> str:
-    term = _refused_term(answer, query)
-    words = described(term, answer.unjudged)
-    opening = "That is right: " if query.negated and query.ask == "whether" else ""
-    if answer.reason == "empty":
-        return "My memory is empty: nothing was stored yet."
-    if answer.status == "unknown_object":
-        return opening + _unknown(answer, term)
-    none = "anything" if term.category == ANYTHING else indefinite(term, words)
-    condition = condition_words(answer, query)
-    told = f"{opening}I never saw {none}{condition}."
-    time = f" {slice_words(query.time, now)}" if query.time else ""
-    if query.ask in ("moved", "missing"):
-        verb = "moved" if query.ask == "moved" else "is missing"
-        told = f"As far as I saw, nothing {verb}{time}."
-    elif answer.reason in ("not_then", "not_there"):
-        place = condition if answer.reason == "not_there" else ""
-        told = f"{opening}I did not see {none}{place}{time}."
-    elif answer.reason == "gone":
-        told = f"{opening}I looked again and {definite(term, words)} was gone."
-    if answer.otherwise is not None:
-        told += f" {_instead(answer.otherwise, answer, query, now)}"
-    elif answer.last_looked is not None:
-        there = f"in the {query.place} " if query.place and not answer.unjudged else ""
-        told += f" I last looked {there}{when(answer.last_looked, now)}."
-    return sentence_case(told)
-
-
-def _instead(other: RankedKeyframe, answer: Answer, query: FormalQuery, now: datetime) -> str:
-    where = where_words(other)
-    there = f", {where}" if where else ""
-    if _refused_term(answer, query) != term_of(query) and answer.reason == "never":
-        kind = article(vocabulary.canonical(other.category))
-        return f"I did see {kind} {when(other.end, now)}{there}."
-    pronoun = "some" if is_many(term_of(query).word) else "one"
-    opening = "I saw" if answer.reason == "not_then" else "I last saw"
-    return f"{opening} {pronoun} {when(other.end, now)}{there}."
-
-
-def _unknown(answer: Answer, term: ObjectTerm) -> str:
-    word = noun_of(term)
-    if answer.reason == "not_recognisable":
-        told = f"I cannot recognise {plural(word)}: the detector of this memory has no such word."
-    else:
-        told = f"I never saw {article(word)}, and my memory has no such word."
-    known = [plural(vocabulary.canonical(word)) for word in answer.suggestions]
-    return f"{told} I know {listed(known)}." if known else told
-
-
-def _refused_term(answer: Answer, query: FormalQuery) -> ObjectTerm:
-    """Return the object that a no is about: the message quotes it where it is not the first."""
-    message = answer.message or ""
-    quoted = (t for t in query.objects if f"“{' '.join((*t.attributes, t.word))}”" in message)
-    return next(quoted, term_of(query))
 
 
 _ASKED: dict[Ask, Callable[[Answer, FormalQuery, datetime], str]] = {

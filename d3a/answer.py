@@ -23,6 +23,8 @@ class RankedKeyframe:
     score: how likely it shows what was asked, 0..1; why: the parts of the score.
     frame: the recording's name; image: the key of the stored picture. box: pixels of that frame.
     start, end: the sighting's closed interval, in the home's zone. group: the moment of a relation.
+    beyond: the nearest landmark and its distance in metres where none is `near`, for the sentence;
+    not part of the record.
     """
 
     rank: int
@@ -42,6 +44,7 @@ class RankedKeyframe:
     image: str | None = None
     why: Json = field(default_factory=dict)
     group: int | None = None
+    beyond: tuple[str, float] | None = None
 
     def to_json(self) -> Json:
         """Return the keyframe's record, every field present."""

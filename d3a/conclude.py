@@ -88,6 +88,8 @@ def keyframe(
     start, end = _moment(run, sighting.start_ms), _moment(run, sighting.end_ms)
     assert start is not None
     assert end is not None
+    landmark = run.near(entry)
+    near = landmark is not None and landmark[1] <= run.parameters.near_m
     return RankedKeyframe(
         rank=rank,
         score=score,
@@ -100,12 +102,13 @@ def keyframe(
         end=end,
         position=position,
         place=room_of(run.facts.regions(), position),
-        near=run.near(entry),
+        near=landmark[0] if landmark is not None and near else None,
         seen=sighting.seen,
         last_absent=_moment(run, gone),
         image=sighting.image,
         why=why,
         group=group,
+        beyond=None if near else landmark,
     )
 
 

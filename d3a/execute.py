@@ -6,6 +6,7 @@ judge is left out of the search, lowers the score and is told; it never turns a 
 
 from __future__ import annotations
 
+from dataclasses import replace
 from datetime import datetime
 from time import perf_counter
 from typing import assert_never
@@ -26,7 +27,7 @@ from d3a.joins import (
     without_relation,
 )
 from d3a.lookalikes import later_names
-from d3a.match import Lexicon, candidates, rungs
+from d3a.match import Candidate, Lexicon, candidates, in_room, rungs
 from d3a.moments import Found, in_slice, joined
 from d3a.parameters import Parameters
 from d3a.places import last_look, probability_inside
@@ -42,15 +43,19 @@ from d3a.plan import (
     FindSightings,
     FindStays,
     JudgeAttributes,
+    KeepInRoom,
     KeepMissing,
     KeepMoved,
+    KeepPresent,
     KeepUsual,
     Measure,
     Plan,
     Rank,
     Relate,
     Step,
+    Unite,
 )
+from d3a.presence import keep_present
 from d3a.rank import rank
 from d3a.run import Run, milliseconds
 from d3a.store.base import Encounter, Store
@@ -73,7 +78,7 @@ def execute(
     now: aware; its zone is that of the answer's times. limit: most keyframes. facts: where the
     caller has read of the store already. Raises StoreError.
     """
-    run = Run(plan.query, store, lexicon, now, parameters, facts or Facts(store))
+    run = Run(plan.query, store, lexicon, now, parameters, facts or Facts(store), plan.steps)
     started = perf_counter()
     ranking_ms = 0.0
     for step in plan.steps:
@@ -99,12 +104,18 @@ def _take(run: Run, step: Step) -> None:
             _find_edge(run, step)
         case FindStays():
             _find_stays(run, step)
+        case KeepInRoom():
+            _keep_in_room(run, step)
         case DropGone():
             _drop_gone(run, step)
         case FilterPlace():
             _filter_place(run, step)
         case Relate():
             _relate(run, step)
+        case Unite():
+            run.leave_out(run.relation_words(step, [run.term(var) for var in step.vars[1:]]))
+        case KeepPresent():
+            keep_present(run, step)
         case KeepMoved():
             run.moments = moved(run.found[step.var], _slice(step.start, step.end))
         case KeepMissing():
@@ -132,25 +143,73 @@ def _slice(start: datetime | None, end: datetime | None) -> Slice:
 
 
 def _find_objects(run: Run, step: FindObjects) -> None:
-    seen = run.facts.categories()
-    worth = rungs(step, seen, run.lexicon)
-    if step.category == ANYTHING or step.precision == "any":
-        records = run.store.objects()
-    else:
-        records = run.store.objects(categories=list(worth)) if worth else []
-        known = {record.object_id for record in records}
-        named = run.named(step)
-        records += [record for record in named if record.object_id not in known]
-    found = candidates(step, records, worth)
+    looks = any(isinstance(s, JudgeAttributes) and s.var == step.var for s in run.steps)
+    found, known = _candidates(run, step, looks=looks)
+    split = in_room(step.word, [region.name for region in run.facts.regions()])
+    if split is not None and step.precision is None:
+        room, noun = split
+        asked = replace(step, category=run.lexicon.canonical(noun), word=noun)
+        within, known_within = _candidates(run, asked, looks=looks)
+        region = run.region(room)
+        assert region is not None
+        run.rooms[step.var] = region
+        run.plain[step.var] = {c.record.object_id: c for c in found}
+        best = dict(run.plain[step.var])
+        for candidate in within:
+            other = best.get(candidate.record.object_id)
+            if other is None or other.match < candidate.match:
+                best[candidate.record.object_id] = candidate
+        found, known = [best[name] for name in sorted(best)], known or known_within
     table = Found({c.record.object_id: c for c in found})
-    table.known = (
-        bool(worth) or bool(found) or bool(rungs(step, run.facts.classes() or (), run.lexicon))
-    )
+    table.known = known
     run.found[step.var] = table
     if step.owner not in (None, "me", "you") and found:
         mine = any(n.owner == step.owner for c in found for n in c.record.names)
         if not mine:
             run.leave_out(f"{step.owner}'s")
+
+
+def _candidates(run: Run, step: FindObjects, *, looks: bool) -> tuple[list[Candidate], bool]:
+    """Return what the noun may mean, and whether it is a word of the store or its detectors.
+
+    looks: with the embeddings, that attributes are judged by.
+    """
+    worth = rungs(step, run.facts.categories(), run.lexicon)
+    classes = rungs(step, run.facts.classes() or (), run.lexicon)
+    known = bool(worth) or bool(classes)
+    if step.votes:  # a word may be nobody's category and still have had some votes
+        worth = rungs(step, (step.category, step.word), run.lexicon) | classes | worth
+    if step.category == ANYTHING or step.precision == "any":
+        records = run.store.objects(embeddings=looks)
+    else:
+        records = run.facts.objects(list(worth), embeddings=looks) if worth else []
+        taught = run.named(step)
+        ids = {record.object_id for record in records}
+        records = [*records, *(record for record in taught if record.object_id not in ids)]
+    found = candidates(step, records, worth, confusion=run.parameters.confusion)
+    return found, known or bool(found)
+
+
+def _keep_in_room(run: Run, step: KeepInRoom) -> None:
+    """Keep what lies in the room that the noun names; where nothing does, what is called so."""
+    region, table = run.rooms.get(step.var), run.found[step.var]
+    if region is None:
+        return
+    stays = sorted(table.stays.values(), key=lambda stay: stay.key)
+    inside = probability_inside(region, stays)
+    held = {stay.key for stay, p in zip(stays, inside, strict=True) if p >= 0.5}
+    if not held:
+        plain = run.plain[step.var]
+        table.candidates = {name: plain[name] for name in table.candidates if name in plain}
+    table.sightings = [
+        s
+        for s in table.sightings
+        if s.object_id in table.candidates and (not held or s.stay in held)
+    ]
+    if held:
+        kept = {name for name, _ in held}
+        table.candidates = {n: c for n, c in table.candidates.items() if n in kept}
+    table.stays = {key: stay for key, stay in table.stays.items() if key[0] in table.candidates}
 
 
 def _judge(run: Run, step: JudgeAttributes) -> None:

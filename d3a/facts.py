@@ -1,67 +1,135 @@
-"""What one question needs to know of the store itself, each read once: words, rooms, thresholds."""
+"""What questions need to know of the store itself, read once: words, rooms, thresholds, landmarks.
+
+A process that asks one store many questions reads these once for as long as nobody writes.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import weakref
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import lru_cache
+from typing import Any
 
 from d3a.colours import HISTOGRAM_SIZE, Palette
+from d3a.match import Lexicon
 from d3a.parameters import DEFAULT, PROFILES, Parameters
-from d3a.store.base import Region, Store, TaughtName
+from d3a.places import Landmarks, is_landmark_word, landmarks
+from d3a.store.base import ObjectRecord, Region, Store, TaughtName
+
+MOST_KEPT = 5_000
+"""So many records of objects are kept between questions at most."""
+FEW_OBJECTS = 2_000
+"""In a home of so few objects, what is large is looked for under every category."""
+_Asked = tuple[tuple[str, ...], bool]
 
 
 @dataclass(slots=True)
+class _Known:
+    """What was read of a store at one revision."""
+
+    categories: list[tuple[str, int]] | None = None
+    names: list[TaughtName] | None = None
+    regions: list[Region] | None = None
+    palette: Palette | None = None
+    landmarks: Landmarks | None = None
+    meta: dict[str, Any] = field(default_factory=dict)
+    objects: dict[_Asked, list[ObjectRecord]] = field(default_factory=dict)
+    kept: int = 0
+
+
+@lru_cache(maxsize=4)
+def _known(_store: weakref.ref[Store], _revision: tuple[int, int]) -> _Known:
+    return _Known()
+
+
 class Facts:
     """A view of the store for the length of one question; a later one sees later writes.
 
-    Every method raises StoreError.
+    What an earlier question read is used again where the store's revision says that nothing was
+    written since. Every method raises StoreError.
     """
 
-    store: Store
-    _categories: list[str] | None = None
-    _classes: list[str] | None = None
-    _names: list[TaughtName] | None = None
-    _regions: list[Region] | None = None
-    _palette: Palette | None = None
+    __slots__ = ("_known", "store")
+
+    def __init__(self, store: Store) -> None:
+        self.store = store
+        revision = store.revision()
+        self._known = _known(weakref.ref(store), revision) if revision else _Known()
 
     def categories(self) -> list[str]:
         """Return the categories of the store, by name."""
-        if self._categories is None:
-            self._categories = [category for category, _ in self.store.categories()]
-        return self._categories
+        return [category for category, _ in self._counted()]
+
+    def _counted(self) -> list[tuple[str, int]]:
+        if self._known.categories is None:
+            self._known.categories = self.store.categories()
+        return self._known.categories
 
     def classes(self) -> list[str] | None:
         """Return what the detectors that filled the store can recognise, None where unknown."""
-        if self._classes is None:
-            known = self.store.meta("classes")
-            self._classes = [str(word) for word in known] if isinstance(known, list) else []
-        return self._classes or None
+        known = self.meta("classes")
+        return [str(word) for word in known] or None if isinstance(known, list) else None
 
     def names(self) -> list[TaughtName]:
         """Return what people call the objects."""
-        if self._names is None:
-            self._names = self.store.names()
-        return self._names
+        if self._known.names is None:
+            self._known.names = self.store.names()
+        return self._known.names
 
     def regions(self) -> list[Region]:
         """Return the named rooms."""
-        if self._regions is None:
-            self._regions = self.store.regions()
-        return self._regions
+        if self._known.regions is None:
+            self._known.regions = self.store.regions()
+        return self._known.regions
+
+    def meta(self, key: str) -> Any | None:
+        """Return a value that the store was given: zone, now, classes, parameters."""
+        if key not in self._known.meta:
+            self._known.meta[key] = self.store.meta(key)
+        return self._known.meta[key]
+
+    def objects(self, categories: Sequence[str], *, embeddings: bool) -> list[ObjectRecord]:
+        """Return the objects of which any detection had one of the categories, by id."""
+        asked = (tuple(categories), embeddings)
+        found = self._known.objects.get(asked)
+        if found is None:
+            found = self.store.objects(categories=categories, votes=True, embeddings=embeddings)
+            if self._known.kept + len(found) <= MOST_KEPT:
+                self._known.objects[asked] = found
+                self._known.kept += len(found)
+        return found
+
+    def landmarks(self, lexicon: Lexicon) -> Landmarks:
+        """Return the large static things that places are told by."""
+        if self._known.landmarks is None:
+            few = sum(count for _, count in self._counted()) <= FEW_OBJECTS
+            wanted = [
+                category
+                for category in self.categories()
+                if is_landmark_word(category, lexicon, or_large=few)
+            ]
+            records = self.store.objects(categories=wanted, embeddings=False) if wanted else []
+            stays = self.store.stays(object_ids=[r.object_id for r in records]) if records else []
+            self._known.landmarks = landmarks(records, stays, lexicon)
+        return self._known.landmarks
 
     def palette(self) -> Palette:
         """Return what the boxes of the whole store hold together, for colours."""
-        if self._palette is None:
+        if self._known.palette is None:
             _, matrix = self.store.embeddings()
             usable = matrix.shape[1:] == (HISTOGRAM_SIZE,)
-            self._palette = Palette.of(matrix if usable else matrix[:0].reshape(0, HISTOGRAM_SIZE))
-        return self._palette
+            self._known.palette = Palette.of(
+                matrix if usable else matrix[:0].reshape(0, HISTOGRAM_SIZE)
+            )
+        return self._known.palette
 
     def parameters(self) -> Parameters:
         """Return the parameters that filled the store; unknown fields of a later version are left.
 
         A store that was filled with another `together_m` is asked with the same.
         """
-        known = self.store.meta("parameters")
+        known = self.meta("parameters")
         if not isinstance(known, dict):
             return DEFAULT
         base = PROFILES.get(str(known.get("profile")), DEFAULT)

@@ -33,8 +33,7 @@ def later_names(store: Store, entry: Entry, found: Found, parameters: Parameters
     how likely it is the thing.
     """
     position = entry.stay.position if entry.stay is not None else None
-    look = entry.candidate.record.embedding
-    if position is None or look is None:
+    if position is None:
         return
     x, y, reach = position[0], position[1], parameters.near_m
     last_ms = entry.sighting.end_ms
@@ -53,7 +52,13 @@ def later_names(store: Store, entry: Entry, found: Found, parameters: Parameters
         for name in (e.object_a, e.object_b)
     }
     stays = {stay.key: stay for stay in store.stays(object_ids=others)}
-    for record in store.objects(ids=[name for name in others if name not in beside]):
+    records = store.objects(ids=[own, *(name for name in others if name not in beside)])
+    look = next((record.embedding for record in records if record.object_id == own), None)
+    if look is None:
+        return
+    for record in records:
+        if record.object_id == own:
+            continue
         same = same_look(look, record)
         theirs = [s for s in later if s.object_id == record.object_id]
         theirs = [s for s in theirs if _same_spot(entry.stay, stays.get(s.stay), parameters)]

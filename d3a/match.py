@@ -7,10 +7,12 @@ synonym, a narrower or a broader word. Each rung is worth less than the one befo
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Protocol
 
+from d3a.parameters import DEFAULT
 from d3a.plan import FindObjects
 from d3a.store.base import ObjectRecord
 from grammar.forms import ANYTHING
@@ -54,12 +56,14 @@ class Candidate:
 
     match: 0..1, how well the word fits. attributes: word -> probability, "not red" for `without`.
     same: how likely it is the thing meant, for a thing that the detector called otherwise.
+    votes: the share of its detections that were called so, where most were called otherwise.
     """
 
     record: ObjectRecord
     match: float
     attributes: Mapping[str, float] = field(default_factory=dict)
     same: float = 1.0
+    votes: float = 1.0
 
 
 def rungs(step: FindObjects, categories: Sequence[str], lexicon: Lexicon) -> dict[str, float]:
@@ -82,7 +86,7 @@ def rungs(step: FindObjects, categories: Sequence[str], lexicon: Lexicon) -> dic
             worth[category] = EXACT
         elif own == asked:
             worth[category] = SYNONYM
-        elif step.precision == "category":
+        elif step.precision in ("category", "attribute"):
             continue
         elif own in narrower or _is_kind_of(own, asked):
             worth[category] = NARROWER
@@ -92,13 +96,18 @@ def rungs(step: FindObjects, categories: Sequence[str], lexicon: Lexicon) -> dic
 
 
 def candidates(
-    step: FindObjects, records: Sequence[ObjectRecord], worth: Mapping[str, float]
+    step: FindObjects,
+    records: Sequence[ObjectRecord],
+    worth: Mapping[str, float],
+    *,
+    confusion: float = DEFAULT.confusion,
 ) -> list[Candidate]:
     """Return the records that fit, in their order, with their match.
 
     A taught name that is the word (and whose owner is the one asked for) fits fully. Else the
-    detector's votes count: an object called "cup" in nine of ten frames and "bowl" in one is a
-    bowl with a tenth of the worth.
+    detector's votes count: an object called "cup" in seven of ten frames and "bowl" in three is a
+    bowl with three tenths of the worth, where the step asks for votes.
+    confusion: the share of wrong words that a detector gives anything; fewer votes say nothing.
     """
     found: list[Candidate] = []
     for record in records:
@@ -109,8 +118,12 @@ def candidates(
         total = sum(weight for _, weight in votes)
         match = sum(worth.get(category, 0.0) * weight for category, weight in votes)
         match = match / total if total > 0 else worth.get(record.category, 0.0)
-        if match > 0:
+        if record.category in worth:
             found.append(Candidate(record, min(1.0, match)))
+        elif step.votes and match > 0:
+            share = sum(weight for category, weight in votes if category in worth) / total
+            if share > confusion + 2 * math.sqrt(confusion * (1 - confusion) / max(total, 1.0)):
+                found.append(Candidate(record, min(1.0, match), votes=share))
     if step.owner is not None:
         return owned(step, found)
     return found
@@ -144,6 +157,20 @@ def owned(step: FindObjects, found: Sequence[Candidate]) -> list[Candidate]:
 def squash(word: str) -> str:
     """Return a word without blanks, hyphens and case: detectors write `sportsball`."""
     return "".join(ch for ch in word.lower() if ch.isalnum())
+
+
+def in_room(word: str, rooms: Sequence[str]) -> tuple[str, str] | None:
+    """Return the room and the rest of a noun that begins with its name: kitchen, table.
+
+    rooms: the names of the store's rooms. The longest name counts: living room before living.
+    """
+    words = word.split()
+    named = {squash(room): room for room in rooms}
+    for size in range(len(words) - 1, 0, -1):
+        room = named.get(squash("".join(words[:size])))
+        if room is not None:
+            return room, " ".join(words[size:])
+    return None
 
 
 def _is_kind_of(category: str, asked: str) -> bool:

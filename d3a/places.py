@@ -7,7 +7,7 @@ lies inside. Landmarks are large things that stay: "next to the microwave".
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,61 +18,108 @@ from d3a.model import Position
 from d3a.relations import DEFAULT_SIGMA_M, normal_cdf
 from d3a.store.base import ObjectRecord, Region, StayRecord, View
 
-LANDMARK_KINDS = frozenset({"furniture", "appliance", "screen", "fixture"})
-"""Broader words of what is large and stays where it is."""
-LANDMARK_M = 0.8
-"""A thing at least this wide or tall is a landmark whatever it is called."""
+LANDMARK_WORDS = frozenset(
+    {"furniture", "shelf", "screen", "counter", "sink", "toilet", "bathtub", "shower"}
+    | {"door", "window", "fireplace", "radiator", "stairs", "fixture", "rack", "piano"}
+    | {"refrigerator", "freezer", "oven", "stove", "microwave", "dishwasher"}
+    | {"washing machine", "dryer"}
+)
+"""What is large and stays where it is, by name or by a wider word."""
+MOVABLE_WORDS = frozenset(
+    {"chair", "stool", "ottoman", "pouf", "bean bag", "crib", "person", "animal", "vehicle"}
+)
+"""What does not stay, however large: it is never a landmark."""
+LARGE_M = 1.0
+"""A thing that is at least this wide or tall and stays is a landmark whatever it is called."""
+SMALL_M = 0.35
+"""A thing that is measured smaller is no landmark: its name is a mistake of the detector."""
+LEAST_VIEWS = 4
+LEAST_SHARE = 0.75
+"""A landmark was seen so often, so much of it at one place and under one name."""
+FAR_M = 6.0
+"""Where nothing near has a name, a landmark within this distance tells the place, with metres."""
 
 
 @dataclass(frozen=True, slots=True)
 class Landmarks:
-    """Large static things: object ids, categories and positions (n, 3), by id and place."""
+    """Large static things: ids, categories as people say them, positions (n, 3), by id."""
 
     ids: tuple[str, ...]
     categories: tuple[str, ...]
     position: NDArray[np.float64]
 
-    def nearest(self, position: Position | None, own: str, limit_m: float) -> str | None:
-        """Return the category of the nearest one within the limit that is not the thing itself."""
+    def nearest(
+        self,
+        position: Position | None,
+        limit_m: float,
+        *,
+        not_ids: Collection[str] = (),
+        not_categories: Collection[str] = (),
+    ) -> tuple[str, float] | None:
+        """Return category and distance of the nearest within the limit that is not ruled out."""
         if position is None or not self.ids:
             return None
-        distance = np.linalg.norm(self.position - np.array(position), axis=1)
-        distance[[i for i, name in enumerate(self.ids) if name == own]] = np.inf
-        best = int(np.argmin(distance))
-        return self.categories[best] if distance[best] <= limit_m else None
+        apart = self.position - np.array(position)
+        distance = np.sqrt(np.einsum("ij,ij->i", apart, apart))
+        for i in np.argsort(distance, kind="stable").tolist():
+            if distance[i] > limit_m:
+                return None
+            if self.ids[i] not in not_ids and self.categories[i] not in not_categories:
+                return self.categories[i], float(distance[i])
+        return None
 
 
-def landmark_categories(categories: Sequence[str], lexicon: Lexicon) -> list[str]:
-    """Return the categories, as the store spells them, whose things are large and stay."""
-    return [
-        category
-        for category in categories
-        if LANDMARK_KINDS & set(lexicon.broader(lexicon.canonical(category)))
-    ]
+def is_landmark_word(category: str, lexicon: Lexicon, *, or_large: bool = False) -> bool:
+    """Return whether things of a category are large and stay, by its name.
 
-
-def landmarks(records: Sequence[ObjectRecord], stays: Sequence[StayRecord]) -> Landmarks:
-    """Return the landmarks among objects at their stays; what has no position is none.
-
-    A thing that a person moved is where it was seen last.
+    or_large: also categories that do not say so, whose things may be large all the same.
     """
-    category = {record.object_id: record.category for record in records}
-    newest: dict[str, StayRecord] = {}
+    name = lexicon.canonical(category)
+    kinds = {name, *lexicon.broader(name)}
+    return not kinds & MOVABLE_WORDS and (or_large or bool(kinds & LANDMARK_WORDS))
+
+
+def landmarks(
+    records: Sequence[ObjectRecord], stays: Sequence[StayRecord], lexicon: Lexicon
+) -> Landmarks:
+    """Return the landmarks among objects: confirmed, large, and seen at one place alone.
+
+    What is called furniture is large where nothing measured it. An object that has most of its
+    views elsewhere, that is gone, or that was seldom seen so called, is none.
+    """
+    of: dict[str, list[StayRecord]] = {}
     for stay in stays:
-        known = newest.get(stay.object_id)
-        if (
-            stay.position is not None
-            and stay.object_id in category
-            and (known is None or stay.last_ms > known.last_ms)
-        ):
-            newest[stay.object_id] = stay
-    ids = tuple(sorted(newest))
-    position = [newest[name].position for name in ids]
+        of.setdefault(stay.object_id, []).append(stay)
+    chosen: list[tuple[str, str, Position]] = []
+    for record in sorted(records, key=lambda r: r.object_id):
+        main = max(of.get(record.object_id, []), key=lambda s: (s.seen, s.last_ms), default=None)
+        if main is None or main.position is None or record.tentative or main.tentative:
+            continue
+        if _is_static(main, of[record.object_id]) and _is_large(record, lexicon):
+            name = lexicon.canonical(record.category)
+            chosen.append((record.object_id, name, main.position))
     return Landmarks(
-        ids,
-        tuple(category[name] for name in ids),
-        np.array(position, dtype=np.float64).reshape(-1, 3),
+        tuple(name for name, _, _ in chosen),
+        tuple(category for _, category, _ in chosen),
+        np.array([place for _, _, place in chosen], dtype=np.float64).reshape(-1, 3),
     )
+
+
+def _is_static(main: StayRecord, stays: Sequence[StayRecord]) -> bool:
+    gone = main.last_absent_ms is not None and main.last_absent_ms > main.last_ms
+    views = sum(stay.seen for stay in stays)
+    return not gone and main.seen >= LEAST_VIEWS and main.seen >= LEAST_SHARE * views
+
+
+def _is_large(record: ObjectRecord, lexicon: Lexicon) -> bool:
+    votes = dict(record.categories)
+    total = sum(votes.values())
+    if total > 0 and votes.get(record.category, 0.0) < LEAST_SHARE * total:
+        return False
+    size = max(record.extent_m) if record.extent_m is not None else None
+    if is_landmark_word(record.category, lexicon):
+        return size is None or size >= SMALL_M
+    return size is not None and size >= LARGE_M
 
 
 def probability_inside(region: Region, stays: Sequence[StayRecord]) -> NDArray[np.float64]:

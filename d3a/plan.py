@@ -9,216 +9,69 @@ from __future__ import annotations
 
 from dataclasses import dataclass, fields, is_dataclass
 from datetime import datetime
-from typing import Any, Literal
+from typing import Any
 
 from d3a.model import Json
 from d3a.parameters import DEFAULT, Parameters
+from d3a.steps import (
+    Cover,
+    DropGone,
+    Edge,
+    ExplainEmpty,
+    FilterPlace,
+    FindEdge,
+    FindLandmarks,
+    FindLaterNames,
+    FindObjects,
+    FindSightings,
+    FindStays,
+    JudgeAttributes,
+    KeepInRoom,
+    KeepMissing,
+    KeepMoved,
+    KeepPresent,
+    KeepUsual,
+    Measure,
+    Precision,
+    Rank,
+    Relate,
+    Step,
+    Unite,
+)
 from grammar.forms import (
     ANYTHING,
-    Ask,
     FormalQuery,
     ObjectTerm,
-    RelationKind,
-    Select,
     TimeSlice,
 )
 
-Precision = Literal["perfect", "category", "any"]
-"""The paper's rungs (Evaluation): the very object, its category, any object at all."""
-Edge = Literal["first", "last"]
-
-
-@dataclass(frozen=True, slots=True)
-class FindObjects:
-    """OIc.find: the objects that `word` may mean, each with how well the word fits.
-
-    var: the variable of the formal query; `x.1` is the object that describes `x`.
-    """
-
-    var: str
-    category: str
-    word: str
-    owner: str | None = None
-    precision: Precision | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class JudgeAttributes:
-    """Score what must hold of the objects of `var`, and what must not; drop who is refused."""
-
-    var: str
-    attributes: tuple[str, ...]
-    without: tuple[str, ...] = ()
-
-
-@dataclass(frozen=True, slots=True)
-class FindSightings:
-    """STc.find: sightings of the objects of `var` that touch [start, end)."""
-
-    var: str
-    start: datetime | None = None
-    end: datetime | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class FindEdge:
-    """STc.find: a sighting an object, to tell what was true at a moment.
-
-    edge "last": the newest that starts at or before it; "first": the oldest that ends after it.
-    """
-
-    var: str
-    edge: Edge
-    at: datetime
-
-
-@dataclass(frozen=True, slots=True)
-class FindStays:
-    """STc.find: where the objects of `var` lay, for the sightings that were found."""
-
-    var: str
-
-
-@dataclass(frozen=True, slots=True)
-class DropGone:
-    """Drop sightings whose place had been seen without the object by the moment asked for."""
-
-    var: str
-    at: datetime
-
-
-@dataclass(frozen=True, slots=True)
-class FilterPlace:
-    """Keep sightings of `var` inside of the named region; outside of it where negated."""
-
-    var: str
-    place: str
-    negated: bool = False
-
-
-@dataclass(frozen=True, slots=True)
-class Relate:
-    """Join the sightings of `vars` (figure first) where the relation holds between them.
-
-    keep: "moments" makes a moment of all arguments; "figure" keeps the figure's sightings alone,
-    as the description of an object does (the table next to the door).
-    Negated: the figure's sightings that no argument stands in the relation to.
-    """
-
-    kind: RelationKind
-    vars: tuple[str, ...]
-    negated: bool = False
-    keep: Literal["moments", "figure"] = "moments"
-    start: datetime | None = None
-    end: datetime | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class KeepMissing:
-    """Keep the last sighting of objects whose place was then seen without them, in the slice."""
-
-    var: str
-    start: datetime | None = None
-    end: datetime | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class KeepMoved:
-    """Keep the first sighting after each change of place that fell into the slice."""
-
-    var: str
-    start: datetime | None = None
-    end: datetime | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class KeepUsual:
-    """Keep a sighting a stay, by the share of the object's time that it lay there."""
-
-    var: str
-    start: datetime | None = None
-    end: datetime | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class Measure:
-    """Compute the number asked for: objects, seconds, or sightings."""
-
-    ask: Ask
-    var: str
-    quantity: int | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class Rank:
-    """Order the moments by probability of correctness, or by time where the question says so.
-
-    spread: each object at each place once before any twice, so that near-duplicates do not fill
-    the list. vars: more than one where several objects are asked for at once.
-    at: the moment asked for; what was seen nearest to it comes first.
-    """
-
-    vars: tuple[str, ...]
-    select: Select
-    spread: bool
-    at: datetime | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class FindLaterNames:
-    """Find what the detector called otherwise right after the last sighting, at its spot.
-
-    Where there is any, the moments are ranked again.
-    """
-
-    var: str
-
-
-@dataclass(frozen=True, slots=True)
-class FindLandmarks:
-    """Tell each keyframe by the nearest large static thing, as people do."""
-
-    var: str
-
-
-@dataclass(frozen=True, slots=True)
-class Cover:
-    """Tell when the robot looked last, in the asked place where one is named."""
-
-    place: str | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class ExplainEmpty:
-    """Where nothing is left: find out why, and the nearest keyframe outside of slice or place.
-
-    vars: the objects that must all have been seen, where each is asked for on its own.
-    """
-
-    vars: tuple[str, ...]
-    time: TimeSlice | None = None
-    place: str | None = None
-
-
-Step = (
-    FindObjects
-    | JudgeAttributes
-    | FindSightings
-    | FindEdge
-    | FindStays
-    | DropGone
-    | FilterPlace
-    | Relate
-    | KeepMissing
-    | KeepMoved
-    | KeepUsual
-    | Measure
-    | Rank
-    | FindLaterNames
-    | FindLandmarks
-    | Cover
-    | ExplainEmpty
-)
+__all__ = [
+    "Cover",
+    "DropGone",
+    "Edge",
+    "ExplainEmpty",
+    "FilterPlace",
+    "FindEdge",
+    "FindLandmarks",
+    "FindLaterNames",
+    "FindObjects",
+    "FindSightings",
+    "FindStays",
+    "JudgeAttributes",
+    "KeepInRoom",
+    "KeepMissing",
+    "KeepMoved",
+    "KeepPresent",
+    "KeepUsual",
+    "Measure",
+    "Plan",
+    "Precision",
+    "Rank",
+    "Relate",
+    "Step",
+    "Unite",
+    "plan",
+]
 
 
 @dataclass(frozen=True, slots=True)
@@ -245,29 +98,38 @@ def plan(
 ) -> Plan:
     """Return the plan of a query. Pure: equal queries give equal plans.
 
-    precision forces a rung of the matching ladder. parameters.profile "paper" answers Q2 as the
-    paper does, by the union of what was found for each object, unless a relation is geometry.
+    precision forces a rung of the matching ladder. parameters.profile "paper" answers “together”
+    as the paper does, by the union of what was found for each object; other relations are
+    geometry in both profiles.
     """
     steps: list[Step] = []
     objects = query.objects or (ObjectTerm(ANYTHING),)
     polarity = _asks_for_absence(query)
-    for term in objects:
-        steps += _term_steps(term, term.var, query, precision)
+    for number, term in enumerate(objects):
+        figure = query.relation is None or number == 0
+        steps += _term_steps(term, term.var, query, precision, figure=figure)
     names = tuple(term.var for term in objects)
     var = names[0]
     if query.place is not None:
         negated = polarity and query.relation is None
         placed = names if query.relation is None else (var,)
         steps += [FilterPlace(name, query.place, negated) for name in placed]
+    united = False
     if query.relation is not None and len(names) > 1:
         negated = query.relation.negated != polarity
-        steps.append(_relate(query, names, negated))
+        united = parameters.profile == "paper" and query.relation.kind == "together" and not negated
+        relate = Unite("together", names) if united else _relate(query, names, negated)
+        steps.append(relate)
+    present = _asks_for_the_present(query)
+    if present:
+        steps.append(KeepPresent(var))
     kept = _keep_steps(query, var)
     steps += kept
     steps.append(Measure(query.ask, var, objects[0].quantity))
-    alone = names if query.relation is None and not kept else (var,)
+    alone = names if (query.relation is None or united) and not kept else (var,)
     point = query.time.start if query.time is not None and query.time.is_point else None
-    steps.append(Rank(alone, query.select, _spreads(query), point))
+    select = "all" if present else query.select  # one moment an object is left: the likeliest
+    steps.append(Rank(alone, select, _spreads(query) or present, point))
     if _wants_the_last(query):
         steps.append(FindLaterNames(var))
     steps.append(FindLandmarks(var))
@@ -285,11 +147,30 @@ def _asks_for_absence(query: FormalQuery) -> bool:
     return query.negated and query.ask != "whether"
 
 
+def _asks_for_the_present(query: FormalQuery) -> bool:
+    """Whether it is asked what is somewhere now: "What is on the table?", "Is the cup there?".
+
+    The newest sightings are asked for, of what stands in a relation or lies in a place: each
+    object's newest counts, and only where nothing was seen since that says otherwise.
+    """
+    somewhere = query.relation is not None or query.place is not None
+    asked = query.ask in ("what", "whether", "count")
+    return query.select == "last" and asked and somewhere and query.time is None
+
+
 def _term_steps(
-    term: ObjectTerm, var: str, query: FormalQuery, precision: Precision | None
+    term: ObjectTerm,
+    var: str,
+    query: FormalQuery,
+    precision: Precision | None,
+    *,
+    figure: bool,
 ) -> list[Step]:
-    steps: list[Step] = [FindObjects(var, term.category, term.word, term.owner, precision)]
-    if term.attributes or term.without:
+    counted = query.ask in ("count", "moved", "missing") or term.quantity is not None
+    votes = figure and not counted and precision is None and term.category != ANYTHING
+    find = FindObjects(var, term.category, term.word, term.owner, precision, votes)
+    steps: list[Step] = [find]
+    if (term.attributes or term.without) and precision not in ("category", "any"):
         steps.append(JudgeAttributes(var, term.attributes, term.without))
     if query.time is not None and query.time.is_point and query.time.start is not None:
         steps.append(FindEdge(var, "last", query.time.start))
@@ -300,11 +181,13 @@ def _term_steps(
         start, end = (query.time.start, query.time.end) if query.time else (None, None)
         steps.append(FindSightings(var, start, end))
     steps.append(FindStays(var))
+    if " " in term.word:
+        steps.append(KeepInRoom(var))
     if query.time is not None and query.time.is_point and query.time.start is not None:
         steps.append(DropGone(var, query.time.start))
     if term.where is not None:
         inner = f"{var}.1"
-        steps += _term_steps(term.where.object, inner, query, precision)
+        steps += _term_steps(term.where.object, inner, query, precision, figure=False)
         relation = Relate(term.where.kind, (var, inner), term.where.negated, keep="figure")
         steps.append(relation)
     return steps

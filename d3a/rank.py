@@ -84,6 +84,8 @@ def entry_score(entry: Entry) -> tuple[float, Json]:
     if candidate.record.tentative or (stay is not None and stay.tentative):
         score *= TENTATIVE
         why["tentative"] = TENTATIVE
+    if candidate.votes < 1.0:
+        why["votes"] = round(candidate.votes, 4)  # it is in the match already
     factors = (("same", candidate.same), ("place", entry.place), ("where", entry.held))
     for name, factor in factors:
         if factor < 1.0:

@@ -8,11 +8,11 @@ from datetime import datetime
 
 from d3a.answer import Reason, Status
 from d3a.facts import Facts
-from d3a.match import Lexicon, squash
+from d3a.match import Candidate, Lexicon, squash
 from d3a.moments import Entry, Found, Moment, single
 from d3a.parameters import Parameters
-from d3a.places import Landmarks, landmark_categories, landmarks
-from d3a.plan import FindObjects, Rank, Relate
+from d3a.places import FAR_M, Landmarks
+from d3a.plan import FindObjects, Rank, Relate, Step, Unite
 from d3a.rank import Ranked
 from d3a.store.base import ObjectRecord, Region, Sighting, StayKey, Store
 from grammar.forms import ANYTHING, FormalQuery, ObjectTerm
@@ -32,6 +32,8 @@ class Run:
 
     before_place, before_relation: by variable, the sightings that a place or relation sifted.
     unjudged: conditions left out, in the order of the question, none twice.
+    rooms: by variable, the room that its noun names ("kitchen table"); plain: by variable, the
+    candidates that the noun means wherever they are.
     """
 
     query: FormalQuery
@@ -40,6 +42,7 @@ class Run:
     now: datetime
     parameters: Parameters
     facts: Facts
+    steps: tuple[Step, ...] = ()
     found: dict[str, Found] = field(default_factory=dict)
     moments: list[Moment] | None = None
     ranked: list[Ranked] = field(default_factory=list)
@@ -54,7 +57,10 @@ class Run:
     suggestions: tuple[str, ...] = ()
     message: str | None = None
     rank_step: Rank | None = None
-    _near: dict[StayKey, str | None] = field(default_factory=dict)
+    plain: dict[str, dict[str, Candidate]] = field(default_factory=dict)
+    rooms: dict[str, Region] = field(default_factory=dict)
+    _near: dict[StayKey, tuple[str, float] | None] = field(default_factory=dict)
+    _not_landmarks: tuple[frozenset[str], frozenset[str]] | None = None
 
     def region(self, name: str | None) -> Region | None:
         """Return the room of that name, None where nobody defined it."""
@@ -89,31 +95,46 @@ class Run:
             term = term.where.object
         return term
 
-    def relation_words(self, step: Relate, terms: Sequence[ObjectTerm]) -> str:
+    def relation_words(self, step: Relate | Unite, terms: Sequence[ObjectTerm]) -> str:
         """Return a relation as said: "on the desk"."""
         kind = _WORDS.get(step.kind, step.kind)
         things = " and the ".join(" ".join((*term.attributes, term.word)) for term in terms)
         return f"{kind} the {things}"
 
     def find_landmarks(self) -> None:
-        """Read the large static things, where there is a keyframe to tell."""
-        if not self.ranked and self.otherwise is None:
-            return
-        wanted = landmark_categories(self.facts.categories(), self.lexicon)
-        records = self.store.objects(categories=wanted) if wanted else []
-        ids = [record.object_id for record in records if not record.tentative]
-        stays = self.store.stays(object_ids=ids) if ids else []
-        self.landmarks = landmarks(records, stays)
+        """Have the large static things at hand, where there is a keyframe to tell."""
+        if self.ranked or self.otherwise is not None:
+            self.landmarks = self.facts.landmarks(self.lexicon)
 
-    def near(self, entry: Entry) -> str | None:
-        """Return the landmark that an entry is told by, as a person spells it."""
+    def near(self, entry: Entry) -> tuple[str, float] | None:
+        """Return the landmark that an entry is told by, as a person spells it, and its distance.
+
+        Never the thing itself, nor what it may be confused with: what else the question may
+        mean, or is called the same.
+        """
         stay = entry.stay
-        if self.landmarks is None or stay is None:
+        if stay is None or self.landmarks is None:
             return None
         if stay.key not in self._near:
-            name = self.landmarks.nearest(stay.position, stay.object_id, self.parameters.near_m)
-            self._near[stay.key] = self.lexicon.canonical(name) if name is not None else None
+            ids, kinds = self._never_landmarks()
+            own = self.lexicon.canonical(entry.candidate.record.category)
+            self._near[stay.key] = self.landmarks.nearest(
+                stay.position,
+                FAR_M,
+                not_ids={*ids, stay.object_id},
+                not_categories={*kinds, own},
+            )
         return self._near[stay.key]
+
+    def _never_landmarks(self) -> tuple[frozenset[str], frozenset[str]]:
+        """Return the ids and the categories that the figures of the question may be."""
+        if self._not_landmarks is None:
+            alone = self.query.objects if self.query.relation is None else self.query.objects[:1]
+            figures = [term for term in alone if term.category != ANYTHING]
+            ids = {name for term in figures for name in self.found[term.var].candidates}
+            kinds = {self.lexicon.canonical(term.category) for term in figures}
+            self._not_landmarks = frozenset(ids), frozenset(kinds)
+        return self._not_landmarks
 
 
 def milliseconds(moment: datetime | None) -> int | None:

@@ -105,7 +105,7 @@ def test_formal_notation_is_read_as_such(store: Store) -> None:
 
 
 def test_unknown_precision_is_the_caller_s_mistake(store: Store) -> None:
-    with pytest.raises(ValueError, match="perfect, category, any"):
+    with pytest.raises(ValueError, match="perfect, category, attribute, any"):
         ask(store, "Where is my cup?", now=NOW, precision="fuzzy")
 
 

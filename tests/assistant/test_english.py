@@ -22,8 +22,9 @@ NOW = datetime(2024, 5, 14, 19, 0, tzinfo=ZONE)  # a Tuesday
         ("umbrella", "an umbrella"),
         ("unicycle", "a unicycle"),
         ("hourglass", "an hourglass"),
-        ("scissors", "some scissors"),
-        ("reading glasses", "some reading glasses"),
+        ("scissors", "a pair of scissors"),
+        ("red reading glasses", "a pair of red reading glasses"),
+        ("groceries", "some groceries"),
     ],
 )
 def test_article(words: str, said: str) -> None:
@@ -37,6 +38,9 @@ def test_article(words: str, said: str) -> None:
         (2, "knife", "two knives"),
         (12, "box", "12 boxes"),
         (0, "cup", "no cups"),
+        (1, "scissors", "one pair of scissors"),
+        (3, "red glasses", "three pairs of red glasses"),
+        (0, "glasses", "no glasses"),
     ],
 )
 def test_counted(number: int, words: str, said: str) -> None:
@@ -81,6 +85,24 @@ def test_duration(seconds: float, said: str) -> None:
 )
 def test_when_has_clock_and_distance(moment: datetime, said: str) -> None:
     assert when(moment, NOW) == said
+
+
+@pytest.mark.parametrize(
+    ("days", "said"),
+    [
+        (59, "59 days ago"),
+        (62, "2 months ago"),
+        (75, "over 2 months ago"),
+        (85, "almost 3 months ago"),
+        (90, "3 months ago"),
+        (731, "2 years ago"),
+        (2283, "over 6 years ago"),
+        (2466, "almost 7 years ago"),
+        (2550, "7 years ago"),
+    ],
+)
+def test_months_and_years_are_told_roughly(days: int, said: str) -> None:
+    assert ago(NOW - timedelta(days=days), NOW) == said
 
 
 def test_when_is_said_in_the_zone_of_now() -> None:

@@ -15,7 +15,18 @@ ON_TABLE, TABLE = (180.0, 170.0, 220.0, 230.0), (100.0, 200.0, 300.0, 400.0)
 
 @pytest.fixture(scope="module")
 def home() -> OracleStore:
-    home = Home(classes=("cup", "bowl", "refrigerator", "couch", "elephant", "dining table", "key"))
+    home = Home(
+        classes=(
+            "cup",
+            "bowl",
+            "refrigerator",
+            "couch",
+            "elephant",
+            "dining table",
+            "key",
+            "glasses",
+        )
+    )
     home.thing("cup-red", "cup", paint="red")
     home.thing("cup-blue", "cup", paint="blue")
     home.thing("bowl", "bowl", paint="orange")
@@ -31,6 +42,8 @@ def home() -> OracleStore:
     home.seen("couch", 200, 220, at=(6.5, 1, 1))
     home.seen("table", 5, 30, at=(1.2, 1.0, 0.8), box=TABLE)
     home.seen("keys", -1500, -1440, at=(6.2, 1.2, 0.5))
+    home.thing("glasses", "glasses", paint="black")
+    home.seen("glasses", 190, 210, at=(6.8, 1.4, 0.5), absent=225)
     home.met("bowl", "table", 5, 30, boxes=(ON_TABLE, TABLE))
     home.met("cup-red", "bowl", 6, 8)
     home.room("kitchen", -1, -1, 3, 3)
@@ -59,14 +72,62 @@ SAID = {
         "seen five times."
     ),
     "Is there a bowl on the dining table?": (
-        "Yes. I saw a bowl on the dining table today at 12:30, 6 hours ago, in the kitchen, next "
-        "to the dining table. When I looked there again today at 13:40, it was gone. I am fairly "
-        "sure: seen five times."
+        "No, not any more. I last saw the bowl today at 12:30, 6 hours ago, in the kitchen. When "
+        "I looked there again today at 13:40, it was gone."
+    ),
+    "Was there a bowl on the dining table?": (
+        "Yes. I saw a bowl on the dining table today at 12:30, 6 hours ago, in the kitchen. When "
+        "I looked there again today at 13:40, it was gone. I am fairly sure: seen five times."
     ),
     "Is there no bowl on the dining table?": (
+        "That is right: I last saw the bowl today at 12:30, 6 hours ago, in the kitchen. When I "
+        "looked there again today at 13:40, it was gone."
+    ),
+    "Was there no bowl on the dining table?": (
         "No, there was: I saw a bowl on the dining table today at 12:30, 6 hours ago, in the "
-        "kitchen, next to the dining table. When I looked there again today at 13:40, it was "
-        "gone. I am fairly sure: seen five times."
+        "kitchen. When I looked there again today at 13:40, it was gone. I am fairly sure: seen "
+        "five times."
+    ),
+    "Is the blue cup in the kitchen?": (
+        "No, not any more. I last saw the blue cup today at 15:30, 4 hours ago, in the living "
+        "room, next to the couch."
+    ),
+    "Is the red cup in the kitchen?": (
+        "Yes. I last saw a red cup in the kitchen today at 12:30, 6 hours ago, next to the dining "
+        "table. I am fairly sure: seen five times."
+    ),
+    "Where are Anna's keys?": (
+        "In the living room, next to the couch. I last saw Anna's keys there yesterday at 12:00, "
+        "31 hours ago. I am fairly sure: seen five times."
+    ),
+    "Did you see keys today?": (
+        "I did not see keys today. I saw some yesterday at 12:00, 31 hours ago, in the living "
+        "room, next to the couch."
+    ),
+    "Where were my glasses an hour ago?": (
+        "I looked again and your glasses were gone. I last saw them today at 15:30, 4 hours ago, "
+        "in the living room, next to the couch."
+    ),
+    "Did you see glasses?": (
+        "Yes. I saw a pair of glasses today at 15:30, 4 hours ago, in the living room, next to "
+        "the couch. When I looked there again today at 15:45, they were gone. I am fairly sure: "
+        "seen five times."
+    ),
+    "Is anything missing?": (
+        "Two things are no longer in place: the bowl, last seen in the kitchen, next to the "
+        "dining table, today at 12:30, 6 hours ago; the glasses, last seen in the living room, "
+        "next to the couch, today at 15:30, 4 hours ago."
+    ),
+    "What is on the kitchen table?": (
+        "I last saw a cup on the kitchen table, the newest today at 12:30, 6 hours ago."
+    ),
+    "What was on the table in the kitchen?": (
+        "I saw two cups and a bowl on the table in the kitchen, last today at 12:30, 6 hours ago."
+    ),
+    "What is on the living room table?": ("I cannot tell what is “on the living room table” here."),
+    "Is there a cup in the basement?": (
+        "Yes. I last saw a cup today at 15:30, 4 hours ago, in the living room, next to the "
+        "couch. I am fairly sure: seen five times. I cannot tell what is “in the basement” here."
     ),
     "Is there no elephant?": (
         "That is right: I never saw an elephant. I last looked today at 15:40, 3 hours ago."
@@ -90,6 +151,9 @@ SAID = {
     ),
     "How many cups did you see?": "Two cups, last seen today at 15:30, 4 hours ago.",
     "What is on the dining table?": (
+        "I last saw a cup on the dining table, the newest today at 12:30, 6 hours ago."
+    ),
+    "What was on the dining table?": (
         "I saw two cups and a bowl on the dining table, last today at 12:30, 6 hours ago."
     ),
     "Did you see three cups?": "No. I saw only two cups, last today at 15:30, 4 hours ago.",

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
-from d3a.match import BROADER, EXACT, NARROWER, SYNONYM, candidates, is_named, rungs
+from d3a.match import BROADER, EXACT, NARROWER, SYNONYM, candidates, in_room, is_named, rungs
 from d3a.plan import FindObjects, Precision
 from d3a.store.base import ObjectRecord, TaughtName
 from tests.worlds.made import Words
@@ -38,6 +40,8 @@ def record(
         (find("cup", precision="perfect"), {}),
         (find("elephant", precision="any"), dict.fromkeys(STORE, EXACT)),
         (find("ball", precision="category"), {}),
+        (find("ball", precision="attribute"), {}),
+        (find("couch", "sofa", precision="attribute"), {"couch": SYNONYM}),
     ],
 )
 def test_rungs(step: FindObjects, expected: dict[str, float]) -> None:
@@ -52,10 +56,36 @@ def test_a_compound_is_a_kind_of_its_head() -> None:
     assert rungs(find("cup"), ("coffee cup", "cup holder"), Words()) == {"coffee cup": NARROWER}
 
 
-def test_votes_of_the_detector_share_the_match() -> None:
-    records = [record("a", "cup", (("cup", 3.0), ("bowl", 1.0))), record("b", "bowl")]
-    found = candidates(find("bowl"), records, {"bowl": EXACT})
-    assert [(c.record.object_id, c.match) for c in found] == [("a", 0.25), ("b", 1.0)]
+def test_a_minority_of_votes_finds_a_thing_with_the_worth_of_its_share() -> None:
+    records = [
+        record("a", "cup", (("cup", 30.0), ("bowl", 10.0))),
+        record("b", "bowl", (("bowl", 9.0), ("cup", 1.0))),
+        record("c", "cup", (("cup", 36.0), ("bowl", 4.0))),  # no more than a detector errs
+        record("d", "cup", (("cup", 2.0), ("bowl", 1.0))),  # too few to tell
+    ]
+    step = find("bowl")
+    found = candidates(replace(step, votes=True), records, {"bowl": EXACT})
+    assert [(c.record.object_id, c.match, c.votes) for c in found] == [
+        ("a", 0.25, 0.25),
+        ("b", 0.9, 1.0),
+    ]
+    sure = candidates(step, records, {"bowl": EXACT})
+    assert [c.record.object_id for c in sure] == ["b"]
+
+
+@pytest.mark.parametrize(
+    ("word", "room_and_noun"),
+    [
+        ("kitchen table", ("kitchen", "table")),
+        ("living room coffee table", ("living room", "coffee table")),
+        ("dining table", None),
+        ("kitchen", None),
+    ],
+)
+def test_a_noun_may_begin_with_the_name_of_a_room(
+    word: str, room_and_noun: tuple[str, str] | None
+) -> None:
+    assert in_room(word, ["kitchen", "living", "living room"]) == room_and_noun
 
 
 def test_a_taught_name_fits_fully_whatever_the_category() -> None:

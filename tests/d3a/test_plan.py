@@ -8,6 +8,7 @@ from datetime import timedelta
 
 import pytest
 
+from d3a.parameters import PAPER
 from d3a.plan import (
     Cover,
     ExplainEmpty,
@@ -18,12 +19,16 @@ from d3a.plan import (
     FindSightings,
     FindStays,
     JudgeAttributes,
+    KeepInRoom,
     KeepMissing,
     KeepMoved,
+    KeepPresent,
     KeepUsual,
     Measure,
+    Precision,
     Rank,
     Relate,
+    Unite,
     plan,
 )
 from grammar.forms import FormalQuery, ObjectTerm, Relation, TimeSlice, Where
@@ -38,7 +43,7 @@ END = (FindLandmarks("x"), Cover(None), ExplainEmpty(("x",)))
 def test_q1_finds_judges_and_ranks() -> None:
     query = FormalQuery("", "Q1", "whether", (CUP,))
     assert plan(query).steps == (
-        FindObjects("x", "cup", "mug", "anna"),
+        FindObjects("x", "cup", "mug", "anna", votes=True),
         JudgeAttributes("x", ("pink",)),
         FindSightings("x"),
         FindStays("x"),
@@ -51,7 +56,7 @@ def test_q1_finds_judges_and_ranks() -> None:
 def test_q3_asks_for_the_slice_and_the_place() -> None:
     query = FormalQuery("", "Q3", "where", (BOWL,), place="kitchen", time=SLICE, select="last")
     assert plan(query).steps == (
-        FindObjects("x", "bowl", "bowl"),
+        FindObjects("x", "bowl", "bowl", votes=True),
         FindSightings("x", SLICE.start, SLICE.end),
         FindStays("x"),
         FilterPlace("x", "kitchen"),
@@ -123,6 +128,45 @@ def test_precision_is_forced_on_every_object() -> None:
     assert [find.precision for find in finds] == ["any", "any"]
 
 
+@pytest.mark.parametrize(
+    ("precision", "judges"),
+    [("perfect", True), ("category", False), ("attribute", True), ("any", False)],
+)
+def test_attributes_are_judged_where_the_precision_says_so(
+    precision: Precision, judges: bool
+) -> None:
+    steps = plan(FormalQuery("", "Q1", "whether", (CUP,)), precision=precision).steps
+    assert any(isinstance(step, JudgeAttributes) for step in steps) is judges
+    assert not any(isinstance(step, FindObjects) and step.votes for step in steps)
+
+
+def test_the_paper_answers_together_by_the_union() -> None:
+    query = FormalQuery("", "Q2", "when", (CUP, BOWL), Relation("together"), time=SLICE)
+    steps = plan(query, parameters=PAPER).steps
+    assert Unite("together", ("x", "y")) in steps
+    assert not any(isinstance(step, Relate) for step in steps)
+    assert Rank(("x", "y"), "all", spread=False) in steps
+    beside = replace(query, relation=Relation("near"))
+    assert plan(beside, parameters=PAPER) == plan(beside)
+    apart = replace(query, negated=True)  # a union has no opposite
+    assert plan(apart, parameters=PAPER) == plan(apart)
+
+
+def test_the_present_keeps_what_is_so_still() -> None:
+    query = FormalQuery("", "Q2", "what", (ObjectTerm("object"), BOWL), Relation("on"))
+    assert KeepPresent("x") not in plan(query).steps
+    steps = plan(replace(query, select="last")).steps
+    assert steps.index(KeepPresent("x")) > steps.index(Relate("on", ("x", "y")))
+    assert Rank(("x",), "all", spread=True) in steps
+
+
+def test_only_a_noun_of_several_words_may_name_a_room() -> None:
+    table = ObjectTerm("dining table", "kitchen table")
+    query = FormalQuery("", "Q2", "where", (CUP, table), Relation("on"))
+    rooms = [step for step in plan(query).steps if isinstance(step, KeepInRoom)]
+    assert rooms == [KeepInRoom("y")]
+
+
 def test_plan_is_printable_as_data_and_as_lines() -> None:
     query = FormalQuery("", "Q3", "where", (CUP,), time=SLICE)
     steps = plan(query)
@@ -132,6 +176,7 @@ def test_plan_is_printable_as_data_and_as_lines() -> None:
         "category": "cup",
         "word": "mug",
         "owner": "anna",
+        "votes": True,
     }
     assert steps.lines()[1] == "JudgeAttributes(var='x', attributes=['pink'])"
     assert len(steps.lines()) == len(steps.steps)

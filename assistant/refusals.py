@@ -1,0 +1,122 @@
+"""The sentence of an honest no: never, not then, not there, no longer, or no such word."""
+
+from __future__ import annotations
+
+from datetime import datetime
+
+from assistant.english import article, listed, plural, sentence_case, slice_words, when
+from assistant.phrases import (
+    condition_words,
+    definite,
+    gone_words,
+    indefinite,
+    kind_of,
+    noun_of,
+    numbered,
+    said_many,
+    term_of,
+    where_words,
+)
+from d3a.answer import Answer, RankedKeyframe
+from grammar import vocabulary
+from grammar.forms import ANYTHING, Ask, FormalQuery, ObjectTerm
+
+_OF_A_KNOWN_THING: frozenset[Ask] = frozenset({"where", "when", "how_long", "how_often"})
+"""Who asks so has a thing in mind: it is told with "the" and "it"."""
+
+
+def refusal_words(answer: Answer, query: FormalQuery, now: datetime) -> str:
+    """Return why there is no answer, and what was seen instead or when the robot looked last.
+
+    now: aware, its zone is that of the times said.
+    """
+    term = _refused_term(answer, query)
+    opening = "That is right: " if query.negated and query.ask == "whether" else ""
+    if answer.reason == "empty":
+        return "My memory is empty: nothing was stored yet."
+    if answer.status == "unknown_object":
+        return opening + _unknown(answer, query, term)
+    if answer.reason == "gone" and query.select == "last" and query.ask != "where":
+        return sentence_case(f"{opening}{_not_any_more(answer, query, now)}")
+    none, condition = _none_of(answer, query, term), condition_words(answer, query)
+    told = f"{opening}I never saw {none}{condition}."
+    time = f" {slice_words(query.time, now)}" if query.time else ""
+    if query.ask in ("moved", "missing"):
+        verb = "moved" if query.ask == "moved" else "is missing"
+        told = f"As far as I saw, nothing {verb}{time}."
+    elif answer.reason in ("not_then", "not_there"):
+        place = condition if answer.reason == "not_there" else ""
+        told = f"{opening}I did not see {none}{place}{time}."
+    elif answer.reason == "gone":
+        verb = "were" if said_many(query, term) else "was"
+        words = definite(term, numbered(query, term, answer.unjudged))
+        told = f"{opening}I looked again and {words} {verb} gone."
+    if answer.otherwise is not None:
+        told += f" {_instead(answer.otherwise, answer, query, now)}"
+    elif answer.last_looked is not None:
+        there = f"in the {query.place} " if query.place and not answer.unjudged else ""
+        told += f" I last looked {there}{when(answer.last_looked, now)}."
+    return sentence_case(told)
+
+
+def _none_of(answer: Answer, query: FormalQuery, term: ObjectTerm) -> str:
+    """Return what was not seen: "anything", "your keys", "an orange bowl", "keys"."""
+    if term.category == ANYTHING:
+        return "anything"
+    words = numbered(query, term, answer.unjudged)
+    if query.ask in _OF_A_KNOWN_THING and answer.otherwise is not None:
+        return definite(term, words)
+    return indefinite(term, words, many=said_many(query, term))
+
+
+def _not_any_more(answer: Answer, query: FormalQuery, now: datetime) -> str:
+    """Return what was seen there, but is not there now: where it was seen last."""
+    term, other = term_of(query), answer.otherwise
+    many = said_many(query, term)
+    openings = {
+        "whether": "" if query.negated else "No, not any more. ",
+        "count": "None any more. ",
+    }
+    opening = openings.get(query.ask, "Nothing any more. ")
+    assert other is not None  # what is gone was seen
+    thing = _none_of(answer, query, term)
+    if term.category == ANYTHING:
+        thing = f"{article(kind_of(other))}{condition_words(answer, query)}"
+    elif query.ask == "whether" and not term.owner:
+        thing = definite(term, numbered(query, term, answer.unjudged))
+    where = where_words(other, query)
+    there = f", {where}" if where else ""
+    told = f"{opening}I last saw {thing} {when(other.end, now)}{there}."
+    return f"{told} {gone_words(other, now, many=many)}".strip()
+
+
+def _instead(other: RankedKeyframe, answer: Answer, query: FormalQuery, now: datetime) -> str:
+    where = where_words(other, query)
+    there = f", {where}" if where else ""
+    term = _refused_term(answer, query)
+    if term != term_of(query) and answer.reason == "never":
+        return f"I did see {article(kind_of(other))} {when(other.end, now)}{there}."
+    many = said_many(query, term_of(query))
+    pronoun = "some" if many else "one"
+    if term_of(query).owner or query.ask in _OF_A_KNOWN_THING:  # a thing they know
+        pronoun = "them" if many else "it"
+    opening = "I saw" if answer.reason == "not_then" else "I last saw"
+    return f"{opening} {pronoun} {when(other.end, now)}{there}."
+
+
+def _unknown(answer: Answer, query: FormalQuery, term: ObjectTerm) -> str:
+    word = noun_of(term)
+    if answer.reason == "not_recognisable":
+        told = f"I cannot recognise {plural(word)}: the detector of this memory has no such word."
+    else:
+        words = plural(word) if said_many(query, term) else article(word)
+        told = f"I never saw {words}, and my memory has no such word."
+    known = [plural(vocabulary.canonical(word)) for word in answer.suggestions]
+    return f"{told} I know {listed(known)}." if known else told
+
+
+def _refused_term(answer: Answer, query: FormalQuery) -> ObjectTerm:
+    """Return the object that a no is about: the message quotes it where it is not the first."""
+    message = answer.message or ""
+    quoted = (t for t in query.objects if f"“{' '.join((*t.attributes, t.word))}”" in message)
+    return next(quoted, term_of(query))
