@@ -15,8 +15,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from d3a.frame_offset import FrameOffset
 from d3a.geometry import in_view, project
-from d3a.matching import FrameOffset
 from d3a.memory import Known, Memory, Place
 from d3a.model import Json
 from d3a.parameters import Parameters

@@ -10,7 +10,6 @@ import math
 from bisect import bisect
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,17 +20,20 @@ Floats = NDArray[np.float64]
 Features = NDArray[np.float32]
 
 
-def position_ratio(squared: Floats, determinant: Floats, parameters: Parameters) -> Floats:
+def position_ratio(
+    squared: Floats, determinant: Floats, space_m3: Floats | float, parameters: Parameters
+) -> Floats:
     """Return the evidence of place from squared Mahalanobis distance and |S|, m^6, alike shaped.
 
-    Student's t, for outliers, against "anywhere in the home". Where the position could be nearly
-    anywhere itself (S as large as the home) its peak says nothing, and only the distance counts:
-    so the gates follow the covariance, and look and category decide where positions are useless.
+    Student's t, for outliers, against "one other thing in each `space_m3`". Where the position
+    could be nearly anywhere itself (S as large as that space) its peak says nothing, and only the
+    distance counts: so the gates follow the covariance, and look and category decide where
+    positions are useless.
     """
     dof = parameters.outlier_dof
     tail = -(dof + 3) / 2 * np.log1p(squared / dof)
     volume = np.sqrt(np.maximum(determinant, 1e-18)) * (2 * math.pi) ** 1.5
-    return np.asarray(tail + np.maximum(0.0, np.log(parameters.space_m3 / volume)))
+    return np.asarray(tail + np.maximum(0.0, np.log(space_m3 / volume)))
 
 
 def feature(embedding: NDArray[np.float32], is_histogram: bool) -> Features:
@@ -57,56 +59,74 @@ def embedding_of(look: Features, is_histogram: bool) -> NDArray[np.float32]:
 LOOK_BINS = (1.5, 4.0, 12.0)
 """Views in a mean look, at which it counts as another kind: a mean is more like its views than
 they are like each other."""
-SAME, OTHER = 0, 1
+SAME, OTHER, BESIDE = 0, 1, 2
+"""Kinds of pairs: views of one thing; of two of one category; of two that stand side by side and
+have different categories, which share their background more than two of a kind across the room."""
 
 
 class LookModel:
     """How alike views of one thing are, and views of others: learned while the robot looks.
 
     Light, lens and embedding decide that, so no fixed threshold serves two recordings. Other
-    things: those recognised in the same frame, of the same category. The same thing: what place
-    and category alone have recognised. Both are normal with one variance, so the evidence is a
-    straight line; assumed values count as much as `look_prior` views.
+    things: those of the same frame, which are never one. The same thing: what place and category
+    alone have recognised. All are normal with one variance, so the evidence is a straight line;
+    assumed values count as much as `look_prior` views.
     """
 
     def __init__(self, parameters: Parameters) -> None:
         self._parameters = parameters
-        # (bins, SAME | OTHER, count | mean | summed squared deviations)
-        self.sums = np.zeros((len(LOOK_BINS) + 1, 2, 3))
-        mean = (parameters.look_same, parameters.look_other)
+        # (bins, SAME | OTHER | BESIDE, count | mean | summed squared deviations)
+        self.sums = np.zeros((len(LOOK_BINS) + 1, 3, 3))
+        mean = (parameters.look_same, parameters.look_other, parameters.look_beside)
         self.sums[:, :, 0] = parameters.look_prior
         self.sums[:, :, 1] = mean
         self.sums[:, :, 2] = parameters.look_prior * parameters.look_sigma**2
 
     def add(self, kind: int, likeness: float, views: float) -> None:
-        """Learn from a pair; views: of the mean look. kind: SAME or OTHER."""
+        """Learn from a pair; views: of the mean look. kind: SAME, OTHER or BESIDE."""
         row = self.sums[bisect(LOOK_BINS, views), kind]
+        if row[0] >= self._parameters.look_memory:
+            row[[0, 2]] *= 1.0 - 1.0 / row[0]
         row[0] += 1.0
         delta = likeness - row[1]
         row[1] += delta / row[0]
         row[2] += delta * (likeness - row[1])
 
-    def ratios(self, likeness: Floats, views: Floats) -> Floats:
-        """Return the evidence (n, m) of cosines (n, m) with looks of so many views (m,)."""
+    def ratios(self, likeness: Floats, views: Floats, kind: int = OTHER) -> Floats:
+        """Return the evidence (n, m) for SAME against `kind`.
+
+        likeness: cosines (n, m) with looks of so many views (m,).
+        """
         bins = np.searchsorted(LOOK_BINS, views, side="right")
-        means = self.sums[:, :, 1]
-        variance = self.sums[:, :, 2].sum(axis=1) / self.sums[:, :, 0].sum(axis=1)
-        slope = np.maximum(means[:, SAME] - means[:, OTHER], 0.0) / np.maximum(variance, 1e-4)
+        pair = self.sums[:, (SAME, kind)]
+        means = pair[:, :, 1]
+        variance = pair[:, :, 2].sum(axis=1) / pair[:, :, 0].sum(axis=1)
+        slope = np.maximum(means[:, 0] - means[:, 1], 0.0) / np.maximum(variance, 1e-4)
         even = means.mean(axis=1)
         raw = slope[bins] * (likeness - even[bins])
         return np.asarray(np.clip(raw, self._parameters.look_least, self._parameters.look_most))
 
 
-@dataclass(slots=True)
+DOUBT_LEAST = 0.02
+"""What is added to a detector's doubts: one that is always certain is still wrong at times."""
+DOUBT_PRIOR = (2.0, 20.0)
+"""Summed doubt, and detections, before any was seen: 0.1 each."""
+WRONG_LEAST, WRONG_MOST = 0.002, 0.5
+"""Bounds of the chance that a label is wrong."""
+
+
 class CategoryModel:
-    """How often each category is named, and so how much an agreement on it is worth."""
+    """How often each category is named, how sure its names are, and so what agreement is worth."""
 
-    parameters: Parameters
-    counts: Counter[str] = field(default_factory=Counter)
+    def __init__(self, parameters: Parameters) -> None:
+        self.parameters = parameters
+        self.counts: Counter[str] = Counter()
+        self.doubt = np.array(DOUBT_PRIOR)
 
-    def add(self, category: str) -> None:
-        """Count a detection."""
+    def add(self, category: str, probability: float = 1.0) -> None:
+        """Count a detection, by the detector's own probability."""
         self.counts[category] += 1
+        self.doubt += (1.0 - probability, 1.0)
 
     def frequency(self, category: str) -> float:
         """Return the share of detections with this category, smoothed; never 0."""
@@ -114,24 +134,38 @@ class CategoryModel:
         total = self.counts.total() + prior * kinds
         return (self.counts[category] + prior) / total
 
-    def ratios(self, categories: Sequence[str], votes: Sequence[Mapping[str, float]]) -> Floats:
-        """Return the evidence of each detection's category for each thing, (n, m).
+    def wrong(self, probability: float) -> float:
+        """Return the chance that a label of this probability is wrong.
 
-        A share `confusion` of detections carries a wrong category, drawn by frequency.
+        `confusion` on average, and in proportion to the detector's doubt by what is usual for it:
+        detectors differ in how they boast, but all are wrong most where they doubt most.
         """
-        wrong = self.parameters.confusion
+        usual = float(self.doubt[0] / self.doubt[1]) + DOUBT_LEAST
+        share = self.parameters.confusion * (1.0 - probability + DOUBT_LEAST) / usual
+        return min(WRONG_MOST, max(WRONG_LEAST, share))
+
+    def ratios(
+        self, names: Sequence[tuple[str, float]], votes: Sequence[Mapping[str, float]]
+    ) -> tuple[Floats, Floats]:
+        """Return the evidence of each name for each thing, (n, m), in two parts.
+
+        names: category and probability. First, that the thing is of this category; then, that it
+        is of another and was named wrongly, by a name drawn by frequency. The parts exclude each
+        other, so their evidence with all else that depends on them adds up as odds.
+        """
         # Squared: what a thing is follows from its votes ever more surely. By plain shares one
         # stray vote for a rare category would open the door to all of that category around.
         votes = [{name: weight**2 for name, weight in each.items()} for each in votes]
         totals = [sum(each.values()) for each in votes]
-        rows = {}
-        for category in set(categories):
-            common = self.frequency(category)
+        shape = (len(names), len(votes))
+        agreed, differing = np.empty(shape), np.empty(shape)
+        for i, (category, probability) in enumerate(names):
+            common, wrong = self.frequency(category), self.wrong(probability)
             named = zip(votes, totals, strict=True)
             share = np.array([v.get(category, 0.0) / t if t > 0 else common for v, t in named])
-            rows[category] = np.log(((1 - wrong) * share + wrong * common) / common)
-        stacked = [rows[category] for category in categories]
-        return np.array(stacked, dtype=np.float64).reshape(len(categories), len(votes))
+            agreed[i] = np.log(np.maximum((1 - wrong) * share / common, 1e-12))
+            differing[i] = np.log(np.maximum(wrong * (1 - share), 1e-12))
+        return agreed, differing
 
 
 def mahalanobis(residuals: Floats, covariances: Floats) -> tuple[Floats, Floats]:

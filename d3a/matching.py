@@ -13,10 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from d3a import likelihood
-from d3a.geometry import pose_covariance
-from d3a.likelihood import OTHER, SAME, CategoryModel, LookModel
+from d3a.frame_offset import FrameOffset
+from d3a.likelihood import BESIDE, OTHER, SAME, CategoryModel, LookModel
+from d3a.look_space import LookSpace
 from d3a.memory import Known, Memory, Place
-from d3a.model import Json, Pose
+from d3a.model import Pose
+from d3a.neighbours import REACH_M, Neighbours
 from d3a.parameters import Parameters
 from d3a.tier1 import Thing
 
@@ -60,67 +62,49 @@ class Observed:
         )
 
 
-@dataclass(slots=True)
-class FrameOffset:
-    """How far the frame's localisation is off the map of things: a slow Kalman state.
-
-    It decays to zero over `pose_tau_s`, as a localisation that lost its way finds it again.
-    """
-
-    parameters: Parameters
-    mean: Floats
-    covariance: Floats
-    time_ms: int | None = None
-
-    @classmethod
-    def unknown(cls, parameters: Parameters) -> FrameOffset:
-        """Return the state before any frame."""
-        return cls(parameters, np.zeros(3), np.zeros((3, 3)))
-
-    def predict(self, time_ms: int, pose: Pose | None) -> None:
-        """Go to the time of a frame whose pose claims this error."""
-        if pose is None:  # a position then is the recording's own, and errs by its covariance
-            self.mean, self.covariance, self.time_ms = np.zeros(3), np.zeros((3, 3)), None
-            return
-        prior = pose_covariance(pose, self.parameters)
-        keep = 0.0
-        if self.time_ms is not None:
-            passed_s = abs(time_ms - self.time_ms) / 1000
-            keep = math.exp(-passed_s / self.parameters.pose_tau_s)
-        self.mean = self.mean * keep
-        self.covariance = self.covariance * keep**2 + prior * (1 - keep**2)
-        self.time_ms = time_ms
-
-    def correct(self, residuals: Floats, noise: Floats) -> None:
-        """Take in how far known things (n, 3) were off, with their covariances (n, 3, 3).
-
-        Each weighs the less the farther it is off what was expected, as it may be mistaken.
-        """
-        if len(residuals) == 0 or not self.covariance.any():
-            return
-        dof = self.parameters.outlier_dof
-        squared, _ = likelihood.mahalanobis(residuals - self.mean, noise + self.covariance)
-        weight = np.minimum(1.0, (dof + 3) / (dof + squared))
-        precision = np.linalg.inv(noise) * weight[:, None, None]
-        prior = np.linalg.inv(self.covariance)
-        self.covariance = np.linalg.inv(prior + precision.sum(axis=0))
-        pull = prior @ self.mean + np.einsum("nij,nj->i", precision, residuals)
-        self.mean = self.covariance @ pull
-
-    def to_state(self) -> Json:
-        """Return the state as JSON."""
-        covariance = self.covariance.ravel().tolist()
-        return {"mean": self.mean.tolist(), "covariance": covariance, "time_ms": self.time_ms}
-
-    def restore(self, record: Json) -> None:
-        """Go on where `to_state` was called."""
-        self.mean = np.array(record["mean"])
-        self.covariance = np.array(record["covariance"]).reshape(3, 3)
-        self.time_ms = record["time_ms"]
-
-
 Match = tuple[Known, Place | None] | None
 """The thing and the place of it that a detection is at, None for a new thing."""
+
+
+@dataclass(frozen=True, slots=True)
+class Scoring:
+    """The evidence of category and look of each detection for each thing, all (n, m).
+
+    agreed, differing: of the category, if the thing is of it, and if it was named wrongly.
+    same, beside: of the look, against another thing of the category, and against one of another
+    category that stands beside. likeness: the cosines, NaN if unknown; None without pictures.
+    """
+
+    agreed: Floats
+    differing: Floats
+    same: Floats | float = 0.0
+    beside: Floats | float = 0.0
+    likeness: Floats | None = None
+
+    def total(self, place: Floats) -> Floats:
+        """Return all evidence (n, m) with that of place (2, n, m)."""
+        return np.asarray(
+            np.logaddexp(
+                self.agreed + place[0] + self.same, self.differing + place[1] + self.beside
+            )
+        )
+
+    def without_look(self, place: Floats) -> Floats:
+        """Return the evidence of place and category alone."""
+        return np.asarray(np.logaddexp(self.agreed + place[0], self.differing + place[1]))
+
+
+def _is_placed(observed: Observed) -> NDArray[np.bool_]:
+    """Say which things (n,) have places precise enough to tell what stands beside them."""
+    sigma = np.sqrt(np.trace(observed.noise, axis1=1, axis2=2) / 3)
+    return np.asarray(sigma <= REACH_M / 2)
+
+
+def _apart(observed: Observed) -> Floats:
+    """Return the distances (n, n) between the things of a frame, NaN where unknown."""
+    places = np.where(_is_placed(observed)[:, None], observed.places, np.nan)
+    steps = places[:, None] - places[None]
+    return np.asarray(np.sqrt(np.sum(steps**2, axis=2)))
 
 
 class Matcher:
@@ -131,6 +115,8 @@ class Matcher:
         self._categories = categories
         self._parameters = parameters
         self.looks = LookModel(parameters)
+        self.space = LookSpace(parameters)
+        self.neighbours = Neighbours(parameters)
         self.offset = FrameOffset.unknown(parameters)
         self.residuals = np.array([1.0, 1.0]) * parameters.noise_prior
         """Summed squared residuals by what was expected of them, and their number."""
@@ -153,20 +139,23 @@ class Matcher:
         if not observed.things:
             return []
         observed = self._scaled(observed, pose)
+        self._meet(observed)
+        self.space.add(observed.looks)
         rows = self._gate(observed)
         things = self._candidates(observed, rows)
         if not things:
             return [None] * len(observed.things)
-        look, likeness = self._look(observed, things)
-        category = self._category(observed, things)
+        scoring = self._scoring(observed, things)
         place, at = self._place(observed, things, rows)
+        score = scoring.total(place)
         new = self._parameters.new_thing_odds
-        taken = likelihood.assign(place + category + look, new)
+        taken = likelihood.assign(score, new)
         if self._align(observed, things, taken, at):
             place, at = self._place(observed, things, rows)
-            taken = likelihood.assign(place + category + look, new)
-        if likeness is not None:
-            self._learn(things, taken, place + category, likeness)
+            score = scoring.total(place)
+            taken = likelihood.assign(score, new)
+        if scoring.likeness is not None:
+            self._learn(observed, things, taken, scoring.without_look(place), scoring.likeness)
         owners = self._memory.positions.owners
         return [
             None
@@ -174,6 +163,12 @@ class Matcher:
             else (things[column], owners[at[i, column]][1] if at[i, column] >= 0 else None)
             for i, column in enumerate(taken)
         ]
+
+    def _meet(self, observed: Observed) -> None:
+        """Learn how near to each other things of different categories stand."""
+        names = np.array([thing.detection.category for thing in observed.things])
+        apart = _apart(observed)
+        self.neighbours.add(np.where(names[:, None] == names[None], np.nan, apart))
 
     def _gate(self, observed: Observed) -> NDArray[np.intp]:
         """Return the rows of places that any detection may be at, by thing and place."""
@@ -202,58 +197,70 @@ class Matcher:
         found |= {thing.number for thing in self._memory.placeless()}
         return [self._memory.things[number] for number in sorted(found)]
 
-    def _category(self, observed: Observed, things: list[Known]) -> Floats:
-        """Return the evidence of category, (n, m); of a thing named twice one name may agree."""
+    def _scoring(self, observed: Observed, things: list[Known]) -> Scoring:
+        """Return the evidence of category and look; of a thing named twice one name may agree."""
         votes = [thing.votes for thing in things]
-        names = [name for thing in observed.things for name, _ in thing.votes]
-        ratios = self._categories.ratios(names, votes)
+        names = [name for thing in observed.things for name in thing.votes]
+        parts = self._categories.ratios(names, votes)
         starts = np.cumsum([0, *(len(thing.votes) for thing in observed.things)])[:-1]
-        return np.asarray(np.maximum.reduceat(ratios, starts, axis=0))
-
-    def _look(self, observed: Observed, things: list[Known]) -> tuple[Floats, Floats | None]:
-        """Return the evidence of look, (n, m), and the cosines it comes from, NaN if unknown."""
-        nothing = np.zeros((len(observed.things), len(things)))
+        agreed, differing = (np.maximum.reduceat(part, starts, axis=0) for part in parts)
         looks = self._memory.looks.rows(things)
         if observed.looks.shape[1] == 0 or looks.shape[1] == 0:
-            return nothing, None
+            return Scoring(agreed, differing)
         known = np.any(observed.looks, axis=1, keepdims=True) & np.any(looks, axis=1)
-        likeness = np.where(known, (observed.looks @ looks.T).astype(np.float64), np.nan)
+        seen, kept = self.space.of(observed.looks), self.space.of(looks)
+        likeness = np.where(known, (seen @ kept.T).astype(np.float64), np.nan)
         views = np.array([thing.look_weight for thing in things])
-        return np.nan_to_num(self.looks.ratios(likeness, views), nan=0.0), likeness
+        same, beside = (
+            np.nan_to_num(self.looks.ratios(likeness, views, kind), nan=0.0)
+            for kind in (OTHER, BESIDE)
+        )
+        beside = np.where(_is_placed(observed)[:, None], beside, same)
+        return Scoring(agreed, differing, same, beside, likeness)
 
     def _place(
         self, observed: Observed, things: list[Known], rows: NDArray[np.intp]
     ) -> tuple[Floats, NDArray[np.intp]]:
-        """Return the evidence of place, (n, m), and the row of the place it is of, -1 for none."""
-        place = np.full((len(observed.things), len(things)), NEVER)
-        at = np.full(place.shape, -1, dtype=np.intp)
+        """Return the evidence of place, (2, n, m), and the row of the place it is of.
+
+        First against another thing anywhere, then against one that stands beside. Row -1: none.
+        """
+        shape = (len(observed.things), len(things))
+        place = np.full((2, *shape), NEVER)
+        at = np.full(shape, -1, dtype=np.intp)
         if len(rows):
             ratios = self._place_ratios(observed, rows)
             owners = self._memory.positions.owners
             number = {thing.number: column for column, thing in enumerate(things)}
             columns = np.array([number[owners[row][0].number] for row in rows.tolist()])
             first = np.r_[True, columns[1:] != columns[:-1]]  # rows are by thing
-            place[:, columns[first]] = ratios[:, first]
+            place[:, :, columns[first]] = ratios[:, :, first]
             at[:, columns[first]] = rows[first]
             for k in np.flatnonzero(~first).tolist():  # further places of a thing that moved
-                better = ratios[:, k] > place[:, columns[k]]
-                place[better, columns[k]] = ratios[better, k]
+                better = ratios[0, :, k] > place[0, :, columns[k]]
+                place[:, better, columns[k]] = ratios[:, better, k]
                 at[better, columns[k]] = rows[k]
         nowhere = np.isnan(observed.places[:, 0])
         if nowhere.any():
-            place[nowhere] = 0.0
+            place[:, nowhere] = 0.0
             at[nowhere] = -1
         placeless = [j for j, thing in enumerate(things) if all(p.row < 0 for p in thing.places)]
         if placeless:
-            place[:, placeless] = 0.0
+            place[:, :, placeless] = 0.0
         return place, at
 
     def _learn(
-        self, things: list[Known], taken: list[int], evidence: Floats, likeness: Floats
+        self,
+        observed: Observed,
+        things: list[Known],
+        taken: list[int],
+        evidence: Floats,
+        likeness: Floats,
     ) -> None:
         """Teach the look model by what place and category (`evidence`) decided without it."""
         least = self._parameters.plain_odds
         confirmed = [thing.seen >= self._parameters.confirm_sightings for thing in things]
+        apart = _apart(observed)
         for i, column in enumerate(taken):
             if column < 0 or not confirmed[column]:
                 continue
@@ -263,22 +270,30 @@ class Matcher:
                     continue
                 if taken[j] >= 0 and things[taken[j]].category == thing.category:
                     self.looks.add(OTHER, float(likeness[j, column]), thing.look_weight)
+                elif apart[i, j] <= REACH_M:
+                    self.looks.add(BESIDE, float(likeness[j, column]), thing.look_weight)
             rivals = np.concatenate(
                 [np.delete(evidence[i], column), np.delete(evidence[:, column], i)]
             )
             is_plain = evidence[i, column] >= least and (rivals < 0).all()
             if is_plain and not math.isnan(likeness[i, column]):
                 self.looks.add(SAME, float(likeness[i, column]), thing.look_weight)
+                mean = self._memory.looks.rows([thing])[0]
+                self.space.add_same(observed.looks[i], mean, thing.look_weight)
 
     def _place_ratios(self, observed: Observed, rows: NDArray[np.intp]) -> Floats:
-        """Return the evidence of place for each detection and row, NEVER out of the gate."""
+        """Return the evidence of place (2, n, rows) as `_place` does, NEVER out of the gate."""
         positions = self._memory.positions
         residuals = (observed.places - self.offset.mean)[:, None] - positions.mean[rows][None]
         covariances = (observed.noise + self.offset.covariance)[:, None] + positions.spread[rows]
         squared, determinant = likelihood.mahalanobis(residuals, covariances)
-        ratios = likelihood.position_ratio(squared, determinant, self._parameters)
+        beside = self.neighbours.space_m3(np.sqrt(np.sum(residuals**2, axis=2)))
         inside = squared <= self._parameters.gate_sigmas**2
-        return np.where(inside, ratios, NEVER)
+        ratios = [
+            likelihood.position_ratio(squared, determinant, space, self._parameters)
+            for space in (self._parameters.space_m3, beside)
+        ]
+        return np.where(inside, np.stack(ratios), NEVER)
 
     def _align(
         self,

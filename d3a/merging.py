@@ -13,9 +13,11 @@ import numpy as np
 
 from d3a import likelihood
 from d3a.ledger import Ledger
-from d3a.likelihood import CategoryModel, LookModel
+from d3a.likelihood import BESIDE, CategoryModel, LookModel
+from d3a.look_space import LookSpace
 from d3a.memory import Known, Memory, Place
 from d3a.moves import rename
+from d3a.neighbours import Neighbours
 from d3a.parameters import Parameters
 from d3a.sightings import Interval, joined
 from d3a.store.base import StayKey
@@ -26,8 +28,10 @@ class Evidence:
     """What tells two things apart."""
 
     memory: Memory
+    space: LookSpace
     looks: LookModel
     categories: CategoryModel
+    neighbours: Neighbours
     parameters: Parameters
 
     def near(self, thing: Known, others: list[Known]) -> list[Known]:
@@ -49,14 +53,24 @@ class Evidence:
         apart = positions.mean[row] - positions.mean[at]
         spread = positions.spread[row] + positions.spread[at]
         squared, determinant = likelihood.mahalanobis(apart, spread)
-        odds = float(likelihood.position_ratio(squared, determinant, self.parameters))
-        odds += float(self.categories.ratios([thing.category], [other.votes])[0, 0])
+        name = (thing.category, thing.weight / thing.seen)
+        agreed, differing = (
+            float(part[0, 0]) for part in self.categories.ratios([name], [other.votes])
+        )
+        space_m3 = self.neighbours.space_m3(np.array(np.linalg.norm(apart)))
+        place, beside = (
+            float(likelihood.position_ratio(squared, determinant, space, self.parameters))
+            for space in (self.parameters.space_m3, space_m3)
+        )
+        agreed, differing = agreed + place, differing + beside
         a, b = self.memory.looks.of(thing), self.memory.looks.of(other)
         if a is not None and b is not None:
-            views = min(thing.look_weight, other.look_weight)
-            likeness = np.array([[float(a @ b)]])
-            odds += float(self.looks.ratios(likeness, np.array([views]))[0, 0])
-        return odds
+            views = np.array([min(thing.look_weight, other.look_weight)])
+            one, two = self.space.of(np.stack([a, b]))
+            likeness = np.array([[float(one @ two)]])
+            agreed += float(self.looks.ratios(likeness, views)[0, 0])
+            differing += float(self.looks.ratios(likeness, views, BESIDE)[0, 0])
+        return float(np.logaddexp(agreed, differing))
 
 
 def likely_same(missed: Known, found: list[Known], evidence: Evidence) -> list[Known]:

@@ -9,7 +9,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from d3a.ledger import Ledger
+from d3a.look_space import LookSpace
 from d3a.memory import Known, Memory
 from d3a.parameters import Parameters
 from d3a.sightings import Became, entry_name
@@ -25,7 +28,7 @@ class Link:
     score: float
 
 
-def find_links(memory: Memory, parameters: Parameters) -> list[Link]:
+def find_links(memory: Memory, space: LookSpace, parameters: Parameters) -> list[Link]:
     """Return the moves that are plain: each the best of both its ends, by a lead."""
     gone = [thing for thing in _confirmed(memory, parameters) if _has_left(thing)]
     fresh = [thing for thing in _confirmed(memory, parameters) if _is_unexplained(thing)]
@@ -33,7 +36,7 @@ def find_links(memory: Memory, parameters: Parameters) -> list[Link]:
     for old in gone:
         for new in fresh:
             if new.first_ms > old.last_ms and new.category in old.votes and old is not new:
-                likeness = _likeness(memory, old, new)
+                likeness = _likeness(memory, space, old, new)
                 if likeness >= parameters.move_similarity:
                     scores[old.number, new.number] = likeness
     links = []
@@ -46,7 +49,7 @@ def find_links(memory: Memory, parameters: Parameters) -> list[Link]:
         new = memory.things[new_number]
         # What stands elsewhere and looks as much like it shows how little the look tells.
         rivals += [
-            _likeness(memory, other, new)
+            _likeness(memory, space, other, new)
             for other in _confirmed(memory, parameters)
             if other.number not in (old_number, new_number) and new.category in other.votes
         ]
@@ -74,9 +77,12 @@ def _is_unexplained(thing: Known) -> bool:
     return len(thing.places) == 1 and not thing.names and thing.places[0].moved_from is None
 
 
-def _likeness(memory: Memory, old: Known, new: Known) -> float:
+def _likeness(memory: Memory, space: LookSpace, old: Known, new: Known) -> float:
     a, b = memory.looks.of(old), memory.looks.of(new)
-    return 0.0 if a is None or b is None else float(a @ b)
+    if a is None or b is None:
+        return 0.0
+    one, other = space.of(np.stack([a, b]))
+    return float(one @ other)
 
 
 def apply_link(link: Link, memory: Memory, ledger: Ledger, parameters: Parameters) -> Became:

@@ -47,16 +47,21 @@ class Parameters:
     noise_gate: float = 12.0  # squared sigmas; what is farther off tells of mistakes, not of noise
     # Default profile, tier 2: log-likelihood ratios against "a thing not seen before"
     space_m3: float = 30.0  # of a home (80 m2 x 2.5 m) for each thing in view not seen yet
+    beside_m3: float = 1.0  # the same beside a known thing, before any neighbours were seen,
+    beside_prior: float = 20.0  # and the number of things seen for which that counts
     outlier_dof: float = 5.0  # Student's t: depth through a chair's back, localisation that lags
     # Likeness is the cosine of square-root histograms (Bhattacharyya). What is expected of views of
     # one thing and of two, and how much that varies, before anything was learned; and for how many
     # pairs that counts. Then the bounds: no look alone may outvote place and name together.
     look_same: float = 0.78
     look_other: float = 0.42
+    look_beside: float = 0.65  # of two that stand side by side: both boxes show the same table
     look_sigma: float = 0.16
     look_prior: float = 30.0
-    look_most: float = 3.0
-    look_least: float = -6.0
+    look_memory: float = 400.0  # pairs after which the oldest fade, as what is compared improves
+    space_prior: float = 60.0  # views for which all parts of a look count alike
+    look_most: float = 4.0
+    look_least: float = -12.0
     plain_odds: float = 2.0  # from here on place and category alone say what a thing is
     confusion: float = 0.08  # share of detections that carry a wrong category
     category_prior: float = 2.0  # pseudo-counts with which a category's frequency starts,

@@ -15,9 +15,10 @@ from d3a import moves
 from d3a.absence import Absence
 from d3a.checkpoint import Arrays
 from d3a.encounters import Encounters
+from d3a.frame_offset import FrameOffset
 from d3a.ledger import Ledger
 from d3a.likelihood import CategoryModel
-from d3a.matching import FrameOffset, Matcher, Observed
+from d3a.matching import Matcher, Observed
 from d3a.memory import Known, Memory, Place
 from d3a.memory_state import memory_of_state, memory_state
 from d3a.merging import Evidence, likely_same, merge, never_together
@@ -109,7 +110,7 @@ class TrackerPipeline:
         detection = found.detection
         for category, weight in found.votes:
             thing.votes[category] = thing.votes.get(category, 0.0) + weight
-            self._categories.add(category)
+            self._categories.add(category, weight)
         if observed.looks.shape[1] and observed.looks[i].any():
             weight = max(detection.probability, 1e-6)
             most = self._parameters.looks_remembered
@@ -165,7 +166,15 @@ class TrackerPipeline:
 
     def _merge(self, missed: list[Known], found: list[Known]) -> list[Known]:
         """Make one of what a look missed and what it found there; return what is still missed."""
-        evidence = Evidence(self._memory, self._matcher.looks, self._categories, self._parameters)
+        matcher = self._matcher
+        evidence = Evidence(
+            self._memory,
+            matcher.space,
+            matcher.looks,
+            self._categories,
+            matcher.neighbours,
+            self._parameters,
+        )
         still = []
         for thing in missed:
             likely = likely_same(thing, found, evidence)
@@ -194,7 +203,7 @@ class TrackerPipeline:
                 self._memory.remove(thing)
 
     def _link(self) -> None:
-        for link in moves.find_links(self._memory, self._parameters):
+        for link in moves.find_links(self._memory, self._matcher.space, self._parameters):
             was = (link.new.object_id, link.new.places[0].number)
             self.write()
             became = moves.apply_link(link, self._memory, self._ledger, self._parameters)
@@ -228,7 +237,12 @@ class TrackerPipeline:
         """Return everything that `restore` needs."""
         record, arrays = memory_state(self._memory)
         arrays["look_model"] = self._matcher.looks.sums
+        arrays["look_space"] = self._matcher.space.sums
+        arrays["look_counts"] = self._matcher.space.counts
         arrays["residuals"] = self._matcher.residuals
+        arrays["doubt"] = self._categories.doubt
+        arrays["neighbours"] = self._matcher.neighbours.pairs
+        arrays["looked_around"] = self._matcher.neighbours.seen
         record |= {
             "next": self._next_number,
             "confirmed_since": self._confirmed_since,
@@ -246,6 +260,11 @@ class TrackerPipeline:
         self._next_number = record["next"]
         self._matcher.looks.sums = np.array(arrays["look_model"])
         self._matcher.residuals = np.array(arrays["residuals"])
+        self._matcher.space.sums = np.array(arrays["look_space"])
+        self._matcher.space.counts = np.array(arrays["look_counts"])
+        self._categories.doubt = np.array(arrays["doubt"])
+        self._matcher.neighbours.pairs = np.array(arrays["neighbours"])
+        self._matcher.neighbours.seen = np.array(arrays["looked_around"])
         self._confirmed_since = record["confirmed_since"]
         self._categories.counts.update(record["categories"])
         self._matcher.offset.restore(record["offset"])

@@ -2,16 +2,13 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
-from d3a import likelihood
 from d3a.ingest import ingest
-from d3a.likelihood import OTHER, SAME, CategoryModel, LookModel
 from d3a.model import Detection, Frame, Pose
 from d3a.parameters import DEFAULT, Parameters
 from tests.worlds.oracle import OracleStore
@@ -110,6 +107,69 @@ def test_a_wrong_category_now_and_then_is_outvoted() -> None:
     (record,) = filled(frames).objects()
     assert record.category == "cup"
     assert dict(record.categories) == pytest.approx({"cup": 3.2, "bowl": 0.8})
+
+
+SIDE_BY_SIDE = {"key": (0.0, 0.0, 0.0), "cup": (0.25, 0.0, 0.0)}
+"""Small things on one table: their boxes are mostly table, so they look much alike."""
+
+
+def on_table(n: int, *names: str, sure: float = 0.9) -> Frame:
+    """A frame with some of the things; each is measured with an error of its own."""
+    found = []
+    for name in names:
+        wobble = np.random.default_rng([n, len(name)]).normal(0, 0.08, 3)
+        x, y, z = np.array(SIDE_BY_SIDE[name]) + wobble
+        look = colour(7) + 0.3 * colour(1 if name == "cup" else 2)
+        left = 10.0 if name == "key" else 30.0
+        found.append(
+            Detection(
+                name, sure, (left, 10, left + 8, 18), (x, y, z),
+                embedding=(look / np.linalg.norm(look)).astype(np.float32),
+            )
+        )  # fmt: skip
+    return single(n, *found, pose=Pose((-2.0, 0.0, 0.0), FORWARD))
+
+
+SEEN_IN_TURN = [("cup",), ("key",)] * 6
+SEEN_TOGETHER = [("cup", "key")] * 6
+
+
+@pytest.mark.parametrize(
+    "shown",
+    [
+        SEEN_IN_TURN,
+        SEEN_TOGETHER,
+        SEEN_IN_TURN + SEEN_TOGETHER,
+        SEEN_TOGETHER + SEEN_IN_TURN,
+        [("cup",)] * 12 + [("key",)] * 12,
+    ],
+    ids=["in turn", "together", "in turn, then together", "together, then in turn", "one by one"],
+)
+@pytest.mark.parametrize("sure", [0.7, 0.99])
+def test_things_side_by_side_keep_their_own_names(
+    shown: list[tuple[str, ...]], sure: float
+) -> None:
+    store = filled([on_table(n, *names, sure=sure) for n, names in enumerate(shown)])
+    for record in store.objects():
+        assert [name for name, _ in record.categories] == [record.category]
+    assert Counter(r.category for r in store.objects()) == {"cup": 1, "key": 1}
+
+
+def test_a_doubtful_name_at_the_very_place_is_a_wrong_name() -> None:
+    frames = [on_table(n, "cup") for n in range(12)]
+    (cup_again,) = on_table(12, "cup").detections or ()
+    doubtful = replace(cup_again, category="vase", probability=0.5)
+    (record,) = filled([*frames, single(12, doubtful, pose=frames[0].pose)]).objects()
+    assert dict(record.categories)["vase"] == 0.5
+
+
+def test_another_thing_of_the_kind_on_the_same_spot_is_known_by_its_look() -> None:
+    """A pink cup stands where a blue one stood: place and name agree, and are outvoted."""
+    frames = [
+        single(n, cup(1.0, 1), cup(2.0, 2, left=20), cup(4.0, 3, left=40)) for n in range(120)
+    ]
+    frames += [single(n, cup(1.0, 4), cup(2.0, 2, left=20)) for n in range(120, 126)]
+    assert sorted(stay.seen for stay in filled(frames).stays()) == [6, 120, 120, 126]
 
 
 def test_a_common_drift_is_taken_out() -> None:
@@ -240,86 +300,3 @@ def test_two_things_that_turn_out_to_be_one_are_made_one() -> None:
     assert record.object_id == "o1"
     assert stay.seen == sum(sighting.seen for sighting in joined.sightings()) == 6
     assert joined.check() == []
-
-
-# The parts of the likelihood
-
-
-def test_a_position_that_could_be_anywhere_says_nothing_for() -> None:
-    squared = np.array([0.0, 0.0])
-    sharp, vague = likelihood.position_ratio(squared, np.array([1e-6, 1e9]), DEFAULT)
-    assert sharp > 3
-    assert vague == 0.0
-
-
-@given(st.floats(0, 1e4), st.floats(0, 1e4), st.floats(1e-9, 1e6))
-def test_the_evidence_of_place_falls_with_the_distance(a: float, b: float, volume: float) -> None:
-    near, far = sorted((a, b))
-    ratios = likelihood.position_ratio(np.array([near, far]), np.full(2, volume), DEFAULT)
-    assert ratios[0] >= ratios[1]
-
-
-def test_the_adjugate_is_the_inverse() -> None:
-    rng = np.random.default_rng(5)
-    half = rng.normal(size=(7, 3, 3))
-    matrices = half @ half.transpose(0, 2, 1) + 0.1 * np.eye(3)
-    residuals = rng.normal(size=(7, 3))
-    squared, determinant = likelihood.mahalanobis(residuals, matrices)
-    wanted = np.einsum("ni,nij,nj->n", residuals, np.linalg.inv(matrices), residuals)
-    assert np.allclose(squared, wanted)
-    assert np.allclose(determinant, np.linalg.det(matrices))
-
-
-def test_the_look_model_learns_what_alike_means() -> None:
-    model = LookModel(DEFAULT)
-    before = model.ratios(np.array([[0.65]]), np.array([20.0]))[0, 0]
-    rng = np.random.default_rng(2)
-    for _ in range(500):
-        model.add(SAME, float(rng.normal(0.95, 0.02)), 20.0)
-        model.add(OTHER, float(rng.normal(0.7, 0.05)), 20.0)
-    after = model.ratios(np.array([[0.65, 0.96]]), np.array([20.0, 20.0]))[0]
-    assert before > -1
-    assert after[0] == DEFAULT.look_least
-    assert after[1] > 1
-    untouched = model.ratios(np.array([[0.65]]), np.array([1.0]))[0, 0]
-    assert untouched == pytest.approx(before)
-
-
-def test_looks_that_tell_nothing_apart_weigh_nothing() -> None:
-    model = LookModel(DEFAULT)
-    for _ in range(1000):
-        model.add(SAME, 0.5, 1.0)
-        model.add(OTHER, 0.6, 1.0)
-    assert abs(model.ratios(np.array([[0.9]]), np.array([1.0]))[0, 0]) < 0.2
-
-
-def test_a_rare_category_is_better_evidence_than_a_common_one() -> None:
-    model = CategoryModel(DEFAULT)
-    for name in ["cup"] * 50 + ["kettle"] * 2:
-        model.add(name)
-    ratios = model.ratios(["cup", "kettle"], [{"cup": 3.0}, {"kettle": 3.0}])
-    assert ratios[1, 1] > ratios[0, 0] > 0
-    assert ratios[0, 1] < 0
-    assert ratios[1, 0] < 0
-
-
-@given(st.lists(st.lists(st.floats(-5, 5), min_size=3, max_size=3), min_size=1, max_size=4))
-def test_an_assignment_is_one_to_one_and_beats_new(rows: list[list[float]]) -> None:
-    scores = np.array(rows)
-    taken = likelihood.assign(scores, 0.5)
-    columns = [column for column in taken if column >= 0]
-    assert len(columns) == len(set(columns))
-    assert all(scores[i, column] > 0.5 for i, column in enumerate(taken) if column >= 0)
-
-
-def test_the_best_sum_wins_over_the_best_pair() -> None:
-    scores = np.array([[5.0, 4.9], [4.8, -9.0]])
-    assert likelihood.assign(scores, 0.0) == [1, 0]
-
-
-def test_a_histogram_feature_and_its_embedding_belong_together() -> None:
-    embedding = colour(4)
-    feature = likelihood.feature(embedding, True)
-    assert np.linalg.norm(feature) == pytest.approx(1.0, abs=1e-5)
-    assert np.allclose(likelihood.embedding_of(feature, True), embedding, atol=1e-5)
-    assert likelihood.feature(embedding, False) is embedding

@@ -1,0 +1,82 @@
+"""Default profile: which parts of a look tell things apart, learned while the robot looks.
+
+Most of a box's colours are those of the room: they are much alike in every box, or change with
+the light. What differs between things and stays the same for one counts most (Fisher's
+discriminant, each part by itself), so the background's share fades as the room gets known.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from d3a.parameters import Parameters
+
+Floats = NDArray[np.float64]
+Features = NDArray[np.float32]
+FLOOR = 0.05
+"""Share of the mean variance that each part has at least: no part is exactly repeatable."""
+
+
+class LookSpace:
+    """Scales features so that their cosine compares what tells things apart.
+
+    Before anything is learned it is the plain cosine; that counts as `space_prior` views.
+    """
+
+    def __init__(self, parameters: Parameters) -> None:
+        self._prior = parameters.space_prior
+        self.sums: Floats = np.zeros((3, 0))
+        """(3, d): sum of all views, of their squares, and of squared deviations from a thing."""
+        self.counts: Floats = np.zeros(2)
+        """(2,): views, and views of a known thing."""
+        self._scale: tuple[Features, Features] | None = None
+
+    def add(self, looks: Features) -> None:
+        """Learn what there is to see: looks (n, d); rows of zeros are none."""
+        known = looks[np.any(looks, axis=1)].astype(np.float64)
+        if len(known) == 0:
+            return
+        self._ready(looks.shape[1])
+        self.sums[0] += known.sum(axis=0)
+        self.sums[1] += np.square(known).sum(axis=0)
+        self.counts[0] += len(known)
+        self._scale = None
+
+    def add_same(self, look: Features, mean: Features, views: float) -> None:
+        """Learn how a view (d,) of a known thing differs from the mean (d,) of so many views."""
+        self._ready(len(look))
+        deviation = look.astype(np.float64) - mean
+        self.sums[2] += deviation**2 * (views / (views + 1.0))
+        self.counts[1] += 1.0
+        self._scale = None
+
+    def _ready(self, length: int) -> None:
+        if self.sums.shape[1] == 0:
+            self.sums = np.zeros((3, length))
+
+    def of(self, looks: Features) -> Features:
+        """Return looks (n, d) in the space, rows of unit length; zeros stay zeros."""
+        if self.sums.shape[1] == 0 or looks.shape[1] == 0:
+            return looks
+        centre, scale = self._scaling()
+        moved = (looks - centre) * scale
+        length = np.sqrt(np.einsum("nd,nd->n", moved, moved))[:, None]
+        unit = moved / np.maximum(length, np.float32(1e-12))
+        return np.asarray(np.where(np.any(looks, axis=1, keepdims=True), unit, np.float32(0.0)))
+
+    def _scaling(self) -> tuple[Features, Features]:
+        if self._scale is None:
+            total, within = self.counts
+            trust = total / (total + self._prior)
+            centre = self.sums[0] / max(total, 1.0)
+            overall = self.sums[1] / max(total, 1.0) - centre**2
+            overall = np.maximum(overall, 0.0)
+            overall += FLOOR * overall.mean() + 1e-12
+            inner = (self.sums[2] + self._prior * overall) / (within + self._prior)
+            inner += FLOOR * inner.mean()
+            learned = np.sqrt(overall) / inner
+            learned /= learned.mean()
+            scale = 1.0 + trust * (learned - 1.0)
+            self._scale = ((trust * centre).astype(np.float32), scale.astype(np.float32))
+        return self._scale

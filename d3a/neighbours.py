@@ -1,0 +1,44 @@
+"""Default profile: how near to each other different things stand, learned while the robot looks.
+
+Things stand in groups: on a table the next one is a hand's breadth away, and the chance to find
+another thing beside a known one has little to do with the size of the home. Two boxes of a frame
+are two things, so every frame tells.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from d3a.parameters import Parameters
+
+Floats = NDArray[np.float64]
+SHELLS_M = (0.0, 0.15, 0.3, 0.5, 0.8, 1.2)
+"""Bounds of the distances that are told apart; beyond, things stand as anywhere in the home."""
+VOLUMES = np.diff(np.array(SHELLS_M) ** 3) * 4 / 3 * np.pi
+REACH_M = SHELLS_M[-1]
+
+
+class Neighbours:
+    """Counts pairs of different categories in a frame by distance."""
+
+    def __init__(self, parameters: Parameters) -> None:
+        self._parameters = parameters
+        prior = parameters.beside_prior
+        self.pairs: Floats = prior * VOLUMES / parameters.beside_m3
+        """(shells,): neighbours seen in each shell."""
+        self.seen: Floats = np.array([prior])
+        """(1,): things around which was looked."""
+
+    def add(self, apart_m: Floats) -> None:
+        """Learn from a frame: distances (n, n) of its things, NaN between two of a category."""
+        self.seen += len(apart_m)
+        self.pairs += np.histogram(apart_m, bins=SHELLS_M)[0]
+
+    def space_m3(self, apart_m: Floats) -> Floats:
+        """Return the space in which one other thing is found at such distances, alike shaped."""
+        density = self.pairs / (VOLUMES * self.seen)
+        anywhere = 1.0 / self._parameters.space_m3
+        by_shell = np.append(np.maximum(density, anywhere), anywhere)
+        shell = np.searchsorted(SHELLS_M[1:], apart_m, side="right")
+        return np.asarray(1.0 / by_shell[shell])
