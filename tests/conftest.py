@@ -1,4 +1,7 @@
-"""Fixtures of every test: the shared data, the oracle store and a MongoDB server."""
+"""Fixtures of every test: the shared data, the oracle store and a MongoDB server.
+
+Stores are imported where a fixture needs one: the tests of the grammar load none.
+"""
 
 from __future__ import annotations
 
@@ -12,13 +15,13 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import pytest
-from pymongo import MongoClient
 
-from d3a.store import open_store, schema
-from d3a.store.base import Store
-from tests.worlds.oracle import OracleStore
+if TYPE_CHECKING:
+    from d3a.store.base import Store
+    from tests.worlds.oracle import OracleStore
 
 
 @pytest.fixture(scope="session")
@@ -36,6 +39,8 @@ def shared() -> Path:
 @pytest.fixture
 def oracle_store() -> OracleStore:
     """An empty store that answers by brute force."""
+    from tests.worlds.oracle import OracleStore
+
     return OracleStore()
 
 
@@ -95,6 +100,10 @@ def new_database(request: pytest.FixtureRequest) -> Iterator[Callable[[str], str
         return f"{host.rstrip('/')}/{made[-1][1]}{'?' if options else ''}{options}"
 
     yield address
+    if not made:
+        return
+    from pymongo import MongoClient
+
     for uri, name in made:
         with MongoClient[dict[str, object]](uri) as client:
             client.drop_database(name)
@@ -119,6 +128,9 @@ def make_store(
     new_database: Callable[[str], str],
 ) -> Callable[[], Store]:
     """Make empty stores of each kind: call it, use the store, close it."""
+    from d3a.store import open_store, schema
+    from tests.worlds.oracle import OracleStore
+
     kind: str = request.param
     if kind == "oracle":
         return OracleStore
