@@ -28,7 +28,7 @@ from d3a.joins import (
 )
 from d3a.lookalikes import later_names
 from d3a.match import Candidate, Lexicon, candidates, in_room, rungs
-from d3a.moments import Found, in_slice, joined
+from d3a.moments import Found
 from d3a.parameters import Parameters
 from d3a.places import last_look, probability_inside
 from d3a.plan import (
@@ -180,7 +180,7 @@ def _candidates(run: Run, step: FindObjects, *, looks: bool) -> tuple[list[Candi
     if step.votes:  # a word may be nobody's category and still have had some votes
         worth = rungs(step, (step.category, step.word), run.lexicon) | classes | worth
     if step.category == ANYTHING or step.precision == "any":
-        records = run.store.objects(embeddings=looks)
+        records = run.facts.objects(None, embeddings=looks)
     else:
         records = run.facts.objects(list(worth), embeddings=looks) if worth else []
         taught = run.named(step)
@@ -228,10 +228,7 @@ def _find_sightings(run: Run, step: FindSightings) -> None:
     if not table.candidates:
         return
     start, end = milliseconds(step.start), milliseconds(step.end)
-    found = run.store.sightings(
-        object_ids=table.ids, start_ms=start, end_ms=None if end is None else end - 1
-    )
-    table.sightings = [s for s in joined(found) if in_slice(s, start, end)]
+    table.sightings = run.facts.sightings(table.ids, start, end)
 
 
 def _find_edge(run: Run, step: FindEdge) -> None:
@@ -251,7 +248,7 @@ def _find_stays(run: Run, step: FindStays) -> None:
     table = run.found[step.var]
     if table.sightings:
         ids = sorted({s.object_id for s in table.sightings})
-        table.stays = {stay.key: stay for stay in run.store.stays(object_ids=ids)}
+        table.stays = run.facts.stays(ids)
 
 
 def _drop_gone(run: Run, step: DropGone) -> None:

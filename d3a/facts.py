@@ -6,6 +6,7 @@ A process that asks one store many questions reads these once for as long as nob
 from __future__ import annotations
 
 import weakref
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
@@ -13,15 +14,25 @@ from typing import Any
 
 from d3a.colours import HISTOGRAM_SIZE, Palette
 from d3a.match import Lexicon
+from d3a.moments import in_slice, joined
 from d3a.parameters import DEFAULT, PROFILES, Parameters
 from d3a.places import Landmarks, is_landmark_word, landmarks
-from d3a.store.base import ObjectRecord, Region, Store, TaughtName
+from d3a.store.base import (
+    ObjectRecord,
+    Region,
+    Sighting,
+    StayKey,
+    StayRecord,
+    Store,
+    TaughtName,
+)
 
 MOST_KEPT = 5_000
-"""So many records of objects are kept between questions at most."""
+"""So many records of objects, and of stays, are kept between questions at most."""
+MOST_SIGHTINGS = 20_000
 FEW_OBJECTS = 2_000
 """In a home of so few objects, what is large is looked for under every category."""
-_Asked = tuple[tuple[str, ...], bool]
+_Asked = tuple[tuple[str, ...] | None, bool]
 
 
 @dataclass(slots=True)
@@ -35,7 +46,16 @@ class _Known:
     landmarks: Landmarks | None = None
     meta: dict[str, Any] = field(default_factory=dict)
     objects: dict[_Asked, list[ObjectRecord]] = field(default_factory=dict)
-    kept: int = 0
+    stays: dict[str, list[StayRecord]] = field(default_factory=dict)
+    sightings: dict[str, list[Sighting]] = field(default_factory=dict)
+    kept: Counter[str] = field(default_factory=Counter)
+
+    def keeps(self, kind: str, number: int, most: int) -> bool:
+        """Whether so many more records may be kept; counts them where they may."""
+        if self.kept[kind] + number > most:
+            return False
+        self.kept[kind] += number
+        return True
 
 
 @lru_cache(maxsize=4)
@@ -89,15 +109,49 @@ class Facts:
             self._known.meta[key] = self.store.meta(key)
         return self._known.meta[key]
 
-    def objects(self, categories: Sequence[str], *, embeddings: bool) -> list[ObjectRecord]:
-        """Return the objects of which any detection had one of the categories, by id."""
-        asked = (tuple(categories), embeddings)
+    def objects(self, categories: Sequence[str] | None, *, embeddings: bool) -> list[ObjectRecord]:
+        """Return the objects of which any detection had one of the categories, by id; None: all."""
+        asked = (None if categories is None else tuple(categories), embeddings)
         found = self._known.objects.get(asked)
         if found is None:
             found = self.store.objects(categories=categories, votes=True, embeddings=embeddings)
-            if self._known.kept + len(found) <= MOST_KEPT:
+            if self._known.keeps("objects", len(found), MOST_KEPT):
                 self._known.objects[asked] = found
-                self._known.kept += len(found)
+        return found
+
+    def stays(self, ids: Sequence[str]) -> dict[StayKey, StayRecord]:
+        """Return where the objects lay, by (object_id, place)."""
+        known = self._known.stays
+        unknown = [name for name in ids if name not in known]
+        read: dict[str, list[StayRecord]] = {name: [] for name in unknown}
+        for stay in self.store.stays(object_ids=unknown) if unknown else ():
+            read[stay.object_id].append(stay)
+        found = {s.key: s for name in ids for s in (read[name] if name in read else known[name])}
+        if self._known.keeps("stays", sum(map(len, read.values())), MOST_KEPT):
+            known |= read
+        return found
+
+    def sightings(
+        self, ids: Sequence[str], start_ms: int | None, end_ms: int | None
+    ) -> list[Sighting]:
+        """Return sightings that meet [start, end), joined where the store's limit split them.
+
+        In the order of `joined`. A slice reads no more than itself, where the rest is not kept.
+        """
+        known = self._known.sightings
+        unknown = [name for name in ids if name not in known]
+        bounded = start_ms is not None or end_ms is not None
+        if unknown and bounded:
+            last = None if end_ms is None else end_ms - 1
+            read = self.store.sightings(object_ids=ids, start_ms=start_ms, end_ms=last)
+            return [s for s in joined(read) if in_slice(s, start_ms, end_ms)]
+        fresh: dict[str, list[Sighting]] = {name: [] for name in unknown}
+        for sighting in self.store.sightings(object_ids=unknown) if unknown else ():
+            fresh[sighting.object_id].append(sighting)
+        parts = (fresh[name] if name in fresh else known[name] for name in ids)
+        found = joined(s for part in parts for s in part if in_slice(s, start_ms, end_ms))
+        if self._known.keeps("sightings", sum(map(len, fresh.values())), MOST_SIGHTINGS):
+            known |= fresh
         return found
 
     def landmarks(self, lexicon: Lexicon) -> Landmarks:
@@ -110,8 +164,8 @@ class Facts:
                 if is_landmark_word(category, lexicon, or_large=few)
             ]
             records = self.store.objects(categories=wanted, embeddings=False) if wanted else []
-            stays = self.store.stays(object_ids=[r.object_id for r in records]) if records else []
-            self._known.landmarks = landmarks(records, stays, lexicon)
+            stays = self.stays([record.object_id for record in records])
+            self._known.landmarks = landmarks(records, list(stays.values()), lexicon)
         return self._known.landmarks
 
     def palette(self) -> Palette:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from d3a.model import Json
 from d3a.moments import Entry, Moment
@@ -25,11 +25,30 @@ LEAST_OF_BEST = 0.5
 
 @dataclass(frozen=True, slots=True)
 class Ranked:
-    """A moment with its score 0..1 and the parts of it, one record an entry."""
+    """A moment with its score 0..1.
+
+    unjudged: how many conditions of the question were left out. repeat: the factor that takes a
+    repeat to the score of what stands before it.
+    """
 
     moment: Moment
     score: float
-    why: tuple[Json, ...]
+    unjudged: int = 0
+    repeat: float = 1.0
+
+    @property
+    def why(self) -> tuple[Json, ...]:
+        """Return the parts of the score, a record an entry; asked for what is shown alone."""
+        extra: Json = {}
+        if self.moment.relation is not None:
+            extra["relation"] = round(self.moment.relation, 4)
+        if self.moment.share is not None:
+            extra["share"] = round(self.moment.share, 4)
+        if self.unjudged:
+            extra["unjudged"] = round(UNJUDGED**self.unjudged, 4)
+        if self.repeat < 1.0:
+            extra["repeat"] = round(self.repeat, 4)
+        return tuple(entry_score(entry)[1] | extra for entry in self.moment.entries)
 
 
 def rank(
@@ -70,47 +89,46 @@ def views_probability(probability: float, views: int) -> float:
 def entry_score(entry: Entry) -> tuple[float, Json]:
     """Return how likely one entry is what was asked, 0..1, and the parts of that."""
     candidate, stay = entry.candidate, entry.stay
-    views = stay.seen if stay is not None else entry.sighting.seen
-    detection = views_probability(entry.sighting.probability, views)
-    score = candidate.match * detection
     why: Json = {
         "match": round(candidate.match, 4),
         "attributes": {word: round(p, 4) for word, p in candidate.attributes.items()},
         "detection": round(entry.sighting.probability, 4),
-        "views": views,
+        "views": stay.seen if stay is not None else entry.sighting.seen,
     }
-    for probability in candidate.attributes.values():
-        score *= probability
-    if candidate.record.tentative or (stay is not None and stay.tentative):
-        score *= TENTATIVE
+    if _is_tentative(entry):
         why["tentative"] = TENTATIVE
     if candidate.votes < 1.0:
         why["votes"] = round(candidate.votes, 4)  # it is in the match already
     factors = (("same", candidate.same), ("place", entry.place), ("where", entry.held))
-    for name, factor in factors:
-        if factor < 1.0:
-            score *= factor
-            why[name] = round(factor, 4)
-    return score, why
+    why |= {name: round(factor, 4) for name, factor in factors if factor < 1.0}
+    return _worth(entry), why
+
+
+def _worth(entry: Entry) -> float:
+    """Return how likely one entry is what was asked: the product of the parts of `why`."""
+    candidate, stay = entry.candidate, entry.stay
+    views = stay.seen if stay is not None else entry.sighting.seen
+    score = candidate.match * views_probability(entry.sighting.probability, views)
+    for probability in candidate.attributes.values():
+        score *= probability
+    if _is_tentative(entry):
+        score *= TENTATIVE
+    return score * min(candidate.same, 1.0) * min(entry.place, 1.0) * min(entry.held, 1.0)
+
+
+def _is_tentative(entry: Entry) -> bool:
+    return entry.candidate.record.tentative or (entry.stay is not None and entry.stay.tentative)
 
 
 def _scored(moment: Moment, unjudged: int) -> Ranked:
-    score, parts = 1.0, []
+    score = UNJUDGED**unjudged
     for entry in moment.entries:
-        own, why = entry_score(entry)
-        score *= own
-        parts.append(why)
-    extra: Json = {}
+        score *= _worth(entry)
     if moment.relation is not None:
         score *= moment.relation
-        extra["relation"] = round(moment.relation, 4)
     if moment.share is not None:
         score *= moment.share
-        extra["share"] = round(moment.share, 4)
-    if unjudged:
-        score *= UNJUDGED**unjudged
-        extra["unjudged"] = round(UNJUDGED**unjudged, 4)
-    return Ranked(moment, min(1.0, max(0.0, score)), tuple(part | extra for part in parts))
+    return Ranked(moment, min(1.0, max(0.0, score)), unjudged)
 
 
 def _by_score(ranked: Ranked) -> tuple[float, int, str, int]:
@@ -148,8 +166,7 @@ def _spread(scored: Sequence[Ranked]) -> list[Ranked]:
 def _at_most(one: Ranked, ceiling: float) -> Ranked:
     if one.score <= ceiling:
         return one
-    factor = round(ceiling / one.score, 4)
-    return Ranked(one.moment, ceiling, tuple(part | {"repeat": factor} for part in one.why))
+    return replace(one, score=ceiling, repeat=ceiling / one.score)
 
 
 def _distance(moment: Moment, at_ms: int) -> tuple[int, int]:

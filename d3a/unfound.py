@@ -107,7 +107,7 @@ def _outside(run: Run, step: ExplainEmpty, var: str) -> list[Moment]:
         found += run.store.edges(table.ids, "first", after_ms=end)
     if not found:
         return []
-    table.stays = {stay.key: stay for stay in run.store.stays(object_ids=table.ids)}
+    table.stays = run.facts.stays(table.ids)
 
     def apart(sighting: Sighting) -> tuple[int, int, str]:
         before = start - sighting.end_ms if start is not None else 0

@@ -1,0 +1,91 @@
+"""What is read of a store once: again after a write, and never otherwise than the store has it."""
+
+from __future__ import annotations
+
+from contextlib import closing
+from pathlib import Path
+
+import pytest
+
+from d3a import facts as facts_module
+from d3a.facts import Facts
+from d3a.moments import in_slice, joined
+from d3a.store import open_store
+from d3a.store.base import Batch, NativeQuery, Region, Store
+from tests.worlds.made import HOUR_MS, NOON, Home, Words, ms
+from tests.worlds.oracle import OracleStore
+
+ROOM = ((0.0, 0.0), (1.0, 0.0), (1.0, 1.0))
+
+
+def home() -> Home:
+    home = Home()
+    home.thing("cup", "cup", votes=(("cup", 3.0), ("bowl", 2.0)))
+    home.seen("cup", 0, 150, at=(1, 1, 1))  # longer than the store's limit: two sightings or more
+    home.seen("cup", 300, 310, at=(5, 1, 1), place=1)
+    home.thing("desk", "table")
+    home.seen("desk", 0, 10, at=(1, 1, 0.7), times=9)
+    return home
+
+
+def read_all(store: Store) -> None:
+    facts = Facts(store)
+    facts.categories(), facts.names(), facts.regions(), facts.classes(), facts.parameters()
+    facts.objects(["cup"], embeddings=True)
+    facts.objects(None, embeddings=False)
+    facts.sightings(["cup", "desk"], None, None)
+    facts.stays(["cup", "desk"])
+    facts.palette()
+    facts.landmarks(Words())
+
+
+def test_a_store_is_read_once_until_somebody_writes(tmp_path: Path) -> None:
+    path = str(tmp_path / "home.db")
+    with closing(open_store(path)) as writer, closing(open_store(path, read_only=True)) as store:
+        home().into(writer)
+        told: list[NativeQuery] = []
+        store.tracing(told.append)
+        read_all(store)
+        assert told
+        told.clear()
+        read_all(store)
+        assert told == []
+        writer.apply(Batch(regions=[Region("attic", ROOM)]))
+        assert [region.name for region in Facts(store).regions()] == ["attic"]
+        assert told
+
+
+def test_two_stores_are_not_taken_for_one_another() -> None:
+    one, other = home().into(OracleStore()), Home().into(OracleStore())
+    assert Facts(one).categories() == ["cup", "table"]
+    assert Facts(other).categories() == []
+
+
+@pytest.mark.parametrize("warm", [False, True])
+@pytest.mark.parametrize("span", [(None, None), (1.5, None), (None, 1.2), (0.5, 1.5), (4, 6)])
+def test_a_slice_is_the_same_whether_the_rest_is_known(
+    warm: bool, span: tuple[float | None, float | None]
+) -> None:
+    store = home().into(OracleStore())
+    facts = Facts(store)
+    if warm:
+        facts.sightings(["cup", "desk"], None, None)
+    start, end = (None if hours is None else ms(NOON) + round(hours * HOUR_MS) for hours in span)
+    expected = joined(s for s in store.sightings(object_ids=["cup"]) if in_slice(s, start, end))
+    assert facts.sightings(["cup"], start, end) == expected
+    assert expected
+
+
+def test_more_than_may_be_kept_is_read_each_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(facts_module, "MOST_KEPT", 1)
+    monkeypatch.setattr(facts_module, "MOST_SIGHTINGS", 1)
+    store = home().into(OracleStore())
+    facts = Facts(store)
+    for _ in range(2):
+        assert len(facts.objects(None, embeddings=False)) == 2
+        assert list(facts.stays(["cup"])) == [("cup", 0), ("cup", 1)]
+        assert len(facts.sightings(["cup"], None, None)) == 2
+
+
+def test_a_landmark_has_its_category_as_people_say_it() -> None:
+    assert Facts(home().into(OracleStore())).landmarks(Words()).categories == ("table",)
