@@ -48,9 +48,8 @@ def command(
     What is broken in the recording is counted, named and left out.
     """
     from d3a.ingest import ingest
-    from d3a.readers.opening import open_source
-
     from d3a.parameters import PROFILES
+    from d3a.readers.opening import open_source
 
     settings = settings_of(context)
     if profile not in PROFILES:
