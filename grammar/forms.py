@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from datetime import datetime
+from datetime import UTC, datetime, timedelta, timezone
 from typing import Any, Literal, cast, get_args
 
 Json = dict[str, Any]
@@ -120,7 +120,11 @@ class Relation:
 
 @dataclass(frozen=True, slots=True)
 class TimeSlice:
-    """A slice [start, end) of aware times; an open end is None, a point has start == end."""
+    """A slice [start, end) of aware times; an open end is None, a point has start == end.
+
+    Times are kept with the fixed offset that their zone had then, as JSON writes them: a time
+    that a zone has twice or never equals no time of another zone, not even its own ISO form.
+    """
 
     start: datetime | None = None
     end: datetime | None = None
@@ -129,6 +133,8 @@ class TimeSlice:
         for name, moment in (("start", self.start), ("end", self.end)):
             if moment is not None and moment.tzinfo is None:
                 raise FormError(f"time.{name} {moment.isoformat()} has no offset; add one")
+            if moment is not None:
+                object.__setattr__(self, name, _with_fixed_offset(moment))
         if self.start is not None and self.end is not None and self.end < self.start:
             raise FormError(
                 f"time ends at {self.end.isoformat()}, before it starts at {self.start.isoformat()}"
@@ -262,6 +268,12 @@ def _bounds(time: TimeSlice) -> str:
     if time.is_point:
         return f"t = {clock(time.start)}"
     return f"{clock(time.end)} >= t >= {clock(time.start)}"
+
+
+def _with_fixed_offset(moment: datetime) -> datetime:
+    """Return the same instant with the offset of its zone; an hour that was skipped moves on."""
+    there = moment.astimezone(UTC).astimezone(moment.tzinfo)
+    return there.replace(tzinfo=timezone(cast("timedelta", there.utcoffset())), fold=0)
 
 
 def _moment(value: str | None) -> datetime | None:

@@ -200,6 +200,8 @@ def _with_figure(terms: list[ObjectTerm], figures: int) -> tuple[list[ObjectTerm
 
 def _describe(terms: list[ObjectTerm], figures: int, item: Related) -> None:
     """Hang a further relation on the object it describes: the last one, or for `with` the first."""
+    if not terms:  # "what was together next to the cup"
+        raise MeaningError("a relation needs two things", state=False)
     target = 0 if item.kind == "together" else len(terms) - 1
     described = terms[target]
     for term in item.group.terms:

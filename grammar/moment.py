@@ -61,7 +61,7 @@ class Setting:
         """Return the moment `minutes` of clock time after the day's midnight."""
         days, rest = divmod(minutes, 24 * 60)
         moment = datetime.combine(day + timedelta(days=days), time(rest // 60, rest % 60))
-        return moment.replace(tzinfo=self.now.tzinfo)
+        return self.shifted(moment.replace(tzinfo=self.now.tzinfo), 0)  # an hour skipped is none
 
     def shifted(self, moment: datetime, seconds: float) -> datetime:
         """Return `moment` shifted by elapsed seconds, over a change of offset too."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from grammar import adjectives
 from grammar.closed import is_open
 from grammar.forms import ANYTHING, ObjectTerm
 from grammar.numbers import ORDINALS
@@ -22,7 +23,10 @@ _SUFFIXES = (
     "-like",
     "-dotted",
 )
+_PARTED = frozenset(("shaped", "sized", "colored", "coloured", "patterned", "dotted"))
 _MAX_COMPOUND = 4
+_EDGES = frozenset(("top", "bottom"))
+"""After a noun these are a part of the thing, no attribute: the vanity top."""
 PREDICATES = frozenset(("colour", "material", "pattern", "shape", "size"))
 """Kinds of attributes that a camera can vouch for; the others are states and opinions."""
 
@@ -78,14 +82,15 @@ class NounReader:
                 continue
             size = self._compound(words, k, end)
             attribute = None if size else self._attribute(words, k, end)
-            if pending is not None and not size and k + 1 == end and self._happens(words[k].text):
+            last = pending is not None and not size and k + 1 == end
+            if attribute is None and last and self._happens(words[k].text):
                 attribute = (words[k].text, "other", 1)
             if size or attribute is None:
                 pending = k if pending is None else pending
                 k += size or 1
                 continue
             if pending is not None:
-                found.append(self._noun(words, pending, k))
+                found += self._before_attribute(words, pending, k, k + attribute[2] < end)
                 pending = None
             said, kind, count = attribute
             found.append((Attribute(said, kind), k, k + count))
@@ -98,10 +103,21 @@ class NounReader:
         """Whether the noun so far is `something`: what follows describes it."""
         return last == first + 1 and self.lexicon.singular(words[first].text) in THINGS
 
+    def _before_attribute(
+        self, words: list[Word], first: int, last: int, more: bool
+    ) -> list[tuple[Attribute | Noun, int, int]]:
+        """Read the words before an attribute: unknown ones describe too: `plush blue pillow`."""
+        texts = [w.text for w in words[first:last]]
+        if more and not any(t in self.lexicon.words or self._known(t) for t in texts):
+            return [(_other(t), first + n, first + n + 1) for n, t in enumerate(texts)]
+        return [self._noun(words, first, last)]
+
+    def _known(self, text: str) -> bool:
+        return self.lexicon.known_noun(text) is not None
+
     def _happens(self, text: str) -> bool:
         """Whether a word at the end is what happened to the noun: `the door opened`."""
-        verbal = text.endswith(("ed", "ing")) and len(text) > 4
-        return verbal and self.lexicon.known_noun(text) is None
+        return adjectives.happened(text) and not self._known(text)
 
     def _only_counts(self, words: list[Word], k: int, end: int) -> bool:
         """Whether a word at `k` says which or how dear: `the second cup`, `my favourite cup`."""
@@ -139,14 +155,26 @@ class NounReader:
         kinds = self.lexicon.attributes
         if text in self.lexicon.shades and kinds.get(following) == "colour":
             return f"{text} {following}", "colour", 2
+        parted = self._parted(text, following)
+        if parted and i + 2 < end:
+            return f"{text} {following}", parted, 2
         kind = kinds.get(text) or self._hyphenated(text)
-        if kind is None:
+        if kind is None and following and adjectives.describes(text, self.lexicon.words):
+            kind = "other"
+        if kind is None or (not following and text in _EDGES):
             return None
         if following and (kind != "other" or i + 1 < end):
             return text, kind, 1
         noun = self.lexicon.known_noun(text)
-        alone = i == 0 or not is_open(words[i - 1].text) or words[i - 1].text in kinds
+        before = words[i - 1].text if i else ""
+        alone = not is_open(before) or before in kinds or not self._known(before)
         return None if noun and alone else (text, kind, 1)
+
+    def _parted(self, text: str, following: str) -> str | None:
+        """Return the kind of an attribute written without its hyphen: polka dot, heart shaped."""
+        listed = self.lexicon.attributes.get(f"{text}-{following}")
+        shaped = following in _PARTED and text not in self.lexicon.attributes
+        return listed or (self._hyphenated(f"{text}-{following}") if shaped else None)
 
     def _hyphenated(self, text: str) -> str | None:
         if "-" not in text:

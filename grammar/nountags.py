@@ -6,7 +6,7 @@ from grammar import numbers
 from grammar.closed import is_open, words_of
 from grammar.cursor import DETERMINERS, OWNED, OWNERS, TIME_GAP, Cursor
 from grammar.nouns import Attribute, Noun, Pattern
-from grammar.phrases import phrases
+from grammar.phrases import phrases, stands_at
 
 KIN = words_of(
     "wife husband mom mum mother dad father son daughter brother sister grandma grandpa "
@@ -21,6 +21,10 @@ _ON_PLACES = frozenset(("balcony", "terrace", "porch", "upstairs", "downstairs")
 _BARE_PLACES = frozenset(("upstairs", "downstairs", "outside", "outdoors"))
 _SUBJECTS = ("i", "we", "you", "he", "she", "they")
 _AUXILIARY = words_of("have had has am is are was were been did do will would could can")
+_BEFORE_VERB = words_of(
+    "last just already always usually normally often typically generally sometimes recently also "
+    "never not ever most previously"
+)
 PEOPLE = KIN | words_of("kid child guest visitor boy girl man woman baby person dog cat")
 
 
@@ -56,11 +60,16 @@ class NounTagger(Cursor):
         if self._text(self.i) not in ("that", "which", "who"):
             return False
         k = self.i + 1
+        if k < len(self.words) and stands_at(self.words, k):
+            self.i = k + 1  # the picture that hangs over the sofa
+            return True
         if self._text(k) in ("is", "are", "was", "were"):
             k += 1
-            negated = self._text(k) == "not"
+            negated = self._text(k) in ("not", "neither")
             k += negated
-            if self._attribute_at(k):
+            if negated and self._text(k) in DETERMINERS:
+                self._emit("_EXCEPT", 0, k - self.i)  # that is not a cup
+            elif self._attribute_at(k):
                 self._emit("_THAT_IS_NOT" if negated else "_THAT_IS", 0, k - self.i)
             elif self._text(k) in ("made", "built"):
                 self._emit("_NOT_MADE_OF" if negated else "_MADE_OF", 0, k + 2 - self.i)
@@ -88,11 +97,15 @@ class NounTagger(Cursor):
         if self._text(k) not in _SUBJECTS:
             return False
         k += 1
-        while self._text(k) in _AUXILIARY or self._text(k) in ("last", "just", "already", "always"):
+        while self._text(k) in _AUXILIARY or self._text(k) in _BEFORE_VERB:
             k += 1
         if self._text(k) not in phrases().verbs and not is_open(self._text(k)):
             return False
         self.i = k + 1
+        if self._text(self.i) in ("around", "about", "in", "on", "with") and self.i + 1 == len(
+            self.words
+        ):
+            self.i += 1  # the banjo that i usually keep around
         return True
 
     def _belongs(self, k: int) -> bool:

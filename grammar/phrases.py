@@ -8,17 +8,25 @@ from functools import lru_cache
 from grammar.vocabulary import files
 from grammar.words import Word
 
+STANCES = ("stands", "stood")
 VERBAL = ("SEE", "LEAVE", "FINDS", "GO", "MOVED", "MISSING")
 _CUTTING = ("_MADE_OF", "_EXCEPT", "SIDE_BY_SIDE", "MISSING", "usual", "HERE")
+_BEING = frozenset(("is", "are", "was", "were", "been"))
+_PREPOSITIONS = frozenset(("in", "at", "inside", "within", "throughout", "on"))
+_ADVERBS = frozenset(("right", "directly", "immediately", "straight", "still", "just", "usually"))
 _BREAKING = ("HERE", "drop", "last", "first", "usual", "SIDE_BY_SIDE", "negative")
 
 
 @dataclass(frozen=True)
 class Phrases:
-    """phrases.txt and relations.txt by first word, longest first, and the one-word verbs."""
+    """phrases.txt and relations.txt by first word, longest first, and the one-word verbs.
+
+    stances: verbs of position (stands, hung); breakers: what goes on no noun phrase.
+    """
 
     by_first: dict[str, list[tuple[tuple[str, ...], str]]]
     verbs: frozenset[str]
+    stances: frozenset[str]
     breakers: frozenset[str]
 
 
@@ -27,6 +35,7 @@ def phrases() -> Phrases:
     """Return the phrases of the question; read once."""
     found: dict[str, list[tuple[tuple[str, ...], str]]] = {}
     verbs: set[str] = set()
+    stances: set[str] = set()
     breakers: set[str] = set()
     for line in files.lines("phrases.txt"):
         terminal, _, said = line.partition("=")
@@ -35,6 +44,8 @@ def phrases() -> Phrases:
             found.setdefault(parts[0], []).append((parts, terminal.strip()))
             if len(parts) == 1 and terminal.strip() in VERBAL:
                 verbs.add(phrase)
+            if terminal.strip() in STANCES:
+                stances.add(phrase)
             if len(parts) == 1 and terminal.strip() in _BREAKING:
                 breakers.add(phrase)
     for line in files.lines("relations.txt"):
@@ -43,14 +54,20 @@ def phrases() -> Phrases:
             parts = tuple(phrase.split())
             found.setdefault(parts[0], []).append((parts, f"REL {kind.strip()}"))
     for entries in found.values():
-        entries.sort(key=lambda entry: len(entry[0]), reverse=True)
-    return Phrases(found, frozenset(verbs), frozenset(verbs | breakers | {"belonging"}))
+        entries.sort(key=lambda entry: (-len(entry[0]), entry[1] not in STANCES))
+    return Phrases(
+        found, frozenset(verbs), frozenset(stances), frozenset(verbs | breakers | {"belonging"})
+    )
 
 
 def breaks(words: list[Word], k: int) -> bool:
     """Whether the open word at `k` starts a phrase of its own and goes on no noun."""
     known = phrases()
     text = words[k].text
+    if stands_at(words, k):
+        return True
+    if text in known.stances and _BEING & {w.text for w in words[:k]}:
+        return False  # is the lamp stand here: a noun
     if text in known.breakers:
         return True
     for parts, terminal in known.by_first.get(text, ()):
@@ -58,6 +75,34 @@ def breaks(words: list[Word], k: int) -> bool:
         if cuts and [w.text for w in words[k : k + len(parts)]] == [*parts]:
             return True
     return False
+
+
+def stands_at(words: list[Word], k: int) -> bool:
+    """Whether the word at `k` is a verb of position: it has its place, and no `is` before it.
+
+    So `which coats hang on the rack`, and `is the lamp stand on the rack`, where it is a noun.
+    """
+    if words[k].text not in phrases().stances or k + 1 >= len(words):
+        return False
+    before = [w.text for w in words[:k]]
+    if not before or (_BEING & {*before} and before[-1] not in ("that", "which")):
+        return False
+    return place_follows(words, k + 1)
+
+
+def place_follows(words: list[Word], k: int) -> bool:
+    """Whether a relation, a preposition of place or `there` stands at `k`, after adverbs."""
+    while k < len(words) and words[k].text in _ADVERBS:
+        k += 1
+    if k >= len(words):
+        return False
+    text = words[k].text
+    if text in _PREPOSITIONS or text in ("here", "there", "upstairs", "downstairs"):
+        return True
+    return any(
+        terminal.startswith("REL ") and [w.text for w in words[k : k + len(parts)]] == [*parts]
+        for parts, terminal in phrases().by_first.get(text, ())
+    )
 
 
 def asks_at_start(texts: list[str]) -> bool:

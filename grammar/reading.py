@@ -105,10 +105,14 @@ class Reading:
     def terminals(self, words: list[Word], it: ObjectTerm | None) -> Terminals:
         """Take the times out and type the words; raises what the words alone give away."""
         times = timespan.find([w.text for w in words])
+        present = bool(times) and all(timespan.is_present(time.said) for time in times)
         rest, slice_ = self._timed(words, times)
         rest = scope.without_purpose(rest)
         scope.refuse_early(self.text, words, rest, self.lexicon, it)
-        return Terminals(rest, tagger.tag(rest, self.lexicon, it), slice_)
+        tagged = tagger.tag(rest, self.lexicon, it)
+        if present:  # where is it now asks for the newest sighting, as where is it does
+            slice_, tagged.select = None, tagged.select or "last"
+        return Terminals(rest, tagged, slice_)
 
     def parsed(self, found: Terminals, start: str) -> Any:
         """Parse the terminals from the rule `start`."""

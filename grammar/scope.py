@@ -71,6 +71,10 @@ def without_purpose(words: list[Word]) -> list[Word]:
     texts = [w.text for w in words]
     if texts[-2:] in (["saw", "it"], ["saw", "them"]) and "you" in texts[-4:]:
         return _last_saw(words)
+    for i in range(3, len(texts) - 3):
+        user = texts[i] == "for" and (texts[i + 1] in DETERMINERS or texts[i + 1] in OWNERS)
+        if user and is_open(texts[i + 2]) and texts[i + 3] == "to":
+            return words[:i]  # for the guest to use
     if not texts or texts[0] not in ("where", "whereabouts", speech.SEEK, "have", "did", "when"):
         return words
     for i in range(2, len(texts)):
@@ -130,7 +134,7 @@ def refuse_early(
         raise _out(
             text, words[0], "It answers questions and carries out no commands", rest, lexicon
         )
-    if _use_asked(texts):
+    if _use_asked(texts) or _usable(texts):
         raise _out(text, words[0], "A memory of sightings gives no advice", rest, lexicon)
     for opening, excuses in _openings():
         if tuple(texts[: len(opening)]) != opening:
@@ -185,6 +189,7 @@ def _future(texts: list[str]) -> int | None:
 
 
 _SKIPPED = words_of("i also usually normally always last typically generally")
+_CLAUSES = words_of("know remember forgot forget recall tell wonder think sure say idea")
 _PUTTING = words_of("put store keep place leave hang set throw get lay park sit stand lie")
 
 
@@ -195,11 +200,25 @@ def _use_asked(texts: list[str]) -> bool:
     if texts[1] not in ("can", "could", "should", "may", "do", "would", "might"):
         return False
     verb = next((t for t in texts[3:5] if t not in _SKIPPED), "")
+    if verb == "have" and texts[1] not in ("do", "would"):
+        after = texts[texts.index("have") + 1 : texts.index("have") + 2]
+        return not (after and after[0] in phrases().verbs)  # where can i have a seat
     if verb in _WHERE_VERBS or verb == "have":
         return False
     known = verb in phrases().verbs or verb in _PUTTING
     advice = texts[1] in ("should", "may") or (texts[1] in ("can", "could") and verb in _PUTTING)
     return not known or advice
+
+
+def _usable(texts: list[str]) -> bool:
+    """Whether things are asked for by what one can do with them: `anything i can use`."""
+    for i in range(2, len(texts) - 2):
+        may = texts[i] in _DOERS and texts[i + 1] in ("can", "could", "should", "may", "might")
+        thing = is_open(texts[i - 1]) or texts[i - 1] in ("that", "which", "one", "ones", "to")
+        if may and thing and texts[i - 1] not in _CLAUSES:
+            verb = next((t for t in texts[i + 2 : i + 4] if t not in _SKIPPED and t != "not"), "")
+            return verb not in _WHERE_VERBS and verb not in ("have", "")
+    return False
 
 
 def refuse_late(text: str, found: FormalQuery, rest: list[Word], lexicon: Lexicon) -> None:
@@ -216,7 +235,7 @@ def refuse_late(text: str, found: FormalQuery, rest: list[Word], lexicon: Lexico
             word = next((w for w in rest if w.text.startswith(head[:4])), rest[-1])
             raise _out(text, word, f"“{term.word}” is no thing that a camera sees", rest, lexicon)
     stated = found.ask in ("count", "whether", "what") and lists["state"]
-    for term in found.objects:
+    for term in found.objects[:1]:
         if stated and stated & {*term.attributes, *term.without} - {"off", "on", "up", "down"}:
             raise _out(text, rest[-1], "It knows no states of things", rest, lexicon)
     if len(found.objects) == 2 and found.relation and found.relation.kind == "in":
@@ -227,8 +246,20 @@ def refuse_late(text: str, found: FormalQuery, rest: list[Word], lexicon: Lexico
         if term.word in lists["medium"]:
             raise _out(text, rest[-1], f"“{term.word}” is no place for things", rest, lexicon)
     first = found.objects[0] if found.objects else None
+    if first is not None and found.relation is not None and first.category in lexicon.places:
+        raise _out(text, rest[-1], "It knows no plan of the building", rest, lexicon)
+    if first is not None and _attending(found, rest):
+        raise _out(text, rest[0], "It remembers things, not the doings of people", rest, lexicon)
     if first is not None and (first.category in lexicon.names or first.category in KIN):
         raise _out(text, rest[-1], "It remembers things, not the doings of people", rest, lexicon)
+
+
+def _attending(found: FormalQuery, rest: list[Word]) -> bool:
+    """Whether it is asked if people were here: `were any students here lately`."""
+    being = len(rest) > 1 and rest[0].text in ("is", "are", "was", "were")
+    if not being or rest[1].text == "there" or found.relation is not None:
+        return False
+    return found.objects[0].word in _lists()["people"] or found.objects[0].category == "person"
 
 
 def refuse_noise(

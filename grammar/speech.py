@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from grammar import numbers
+from grammar import numbers, timespan
 from grammar import timewords as tw
 from grammar.closed import is_open, words_of
 from grammar.corrections import corrected
@@ -37,17 +37,50 @@ def sentences(words: list[Word]) -> list[list[Word]]:
 def _parted(words: list[Word]) -> list[list[Word]]:
     """Part a reason said first from its question: `i lost my wallet can you help me find it`."""
     texts = [w.text for w in words]
+    pause = _pause(texts)
+    if pause:
+        return [words[:pause], *_parted(words[pause + 1 :])]
     dislocated = texts[-1] in ("it", "they", "them") and texts[0] not in QUESTION_STARTS
-    if texts[0] not in ("i", "we", "my", "there", "it") and not dislocated:
+    if texts[0] not in _STATING and not dislocated:
         return [words]
     for i in range(1 if dislocated else 2, len(texts) - 2):
         starts = tuple(texts[i : i + 2])
-        asked = starts[0] == "where" and starts[1] in (*AUXILIARIES, "might")
-        if (asked or starts in _ASKED) and texts[i - 1] not in _TELLING:
+        asked = starts[0] in QUESTION_WORDS and starts[1] in _ASKING_VERBS
+        pronoun = starts[0] in AUXILIARIES and starts[1] in _ASKED_SUBJECTS
+        if (asked or pronoun or starts in _ASKED) and texts[i - 1] not in _TELLING:
             return [words[:i], words[i:]]
     return [words]
 
 
+def _pause(texts: list[str]) -> int:
+    """Return where a comma parts a statement from a question, 0 for nowhere.
+
+    A time or a place before the comma belongs to the question: `yesterday, where was my cup`.
+    """
+    for i in range(2, len(texts) - 3):
+        if texts[i] != "," or not _asks_at(texts, i + 1):
+            continue
+        if texts[0] in QUESTION_STARTS:
+            about_it = texts[i + 1] in AUXILIARIES and texts[i + 2] in ("it", "they")
+            if not about_it or texts[i + 3] == "not":
+                continue
+        times = timespan.find(texts[:i])
+        if not (times and times[0].first <= 1 and times[-1].last == i):
+            return i
+    return 0
+
+
+def _asks_at(texts: list[str], i: int) -> bool:
+    """Whether a question starts at `i`: where is, how can, is it, have you."""
+    first, second = texts[i], texts[i + 1]
+    if first in QUESTION_WORDS:
+        return second in _ASKING_VERBS
+    return first in AUXILIARIES and second in (*_ASKED_SUBJECTS, "you", "there", "i", "we")
+
+
+_STATING = words_of("i we my our there it he she they")
+_ASKING_VERBS = AUXILIARIES | words_of("might may must would")
+_ASKED_SUBJECTS = ("it", "they")
 _ASKED = (
     ("is", "there"),
     ("are", "there"),
@@ -56,7 +89,6 @@ _ASKED = (
     ("can", "you"),
     ("could", "you"),
     ("do", "you"),
-    ("when", "did"),
 )
 _TELLING = words_of(
     "know remember forgot forget recall tell wonder sure wondering idea of about and or"
@@ -67,7 +99,7 @@ def plain(words: list[Word], lexicon: Lexicon) -> list[Word]:
     """Return the words of one sentence without what changes nothing."""
     words = _heard(_without_fillers(words))
     words = corrected(words, lexicon)
-    words = _without_stutter(words)
+    words = _without_stutter(_without_false_starts(words))
     words = _opened(words)
     return _closed(words)
 
@@ -99,12 +131,30 @@ def _without_fillers(words: list[Word]) -> list[Word]:
 def _no_filler(words: list[Word], i: int, count: int, kept: list[Word]) -> bool:
     """Whether a filler is said in earnest: the `oh` of `nine oh five`, `do you know`."""
     before = kept[-1].text if kept else ""
+    if words[i].text == "like":
+        return before not in _BEFORE_LIKE
     if words[i].text in ("oh", "o"):
         return before in numbers.CARDINALS
     if words[i].text == "you":
         following = words[i + count].text if i + count < len(words) else ""
         return before in AUXILIARIES or before == "if" or following in (*QUESTION_WORDS, "if")
     return False
+
+
+_BEFORE_LIKE = ("", *words_of("so ok okay well is are was were at around by in on for and to"))
+"""After these `like` says nothing: `where is like my cup`, `at like three`."""
+
+
+def _without_false_starts(words: list[Word]) -> list[Word]:
+    """Take out a word that breaks off and is said again: `where is my ph my phone`."""
+    i = 0
+    while i + 3 < len(words):
+        first, cut, again, whole = (w.text for w in words[i : i + 4])
+        if first == again and cut != whole and whole.startswith(cut):
+            words = [*words[:i], *words[i + 2 :]]
+        else:
+            i += 1
+    return words
 
 
 def _without_stutter(words: list[Word]) -> list[Word]:

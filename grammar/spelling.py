@@ -12,8 +12,8 @@ from functools import lru_cache
 
 from grammar import numbers, phrases, scope
 from grammar import timewords as tw
-from grammar.closed import CLOSED, is_open
-from grammar.vocabulary import Lexicon, StoreWords, files, lexicon
+from grammar.closed import CLOSED, is_open, words_of
+from grammar.vocabulary import Lexicon, StoreWords, files, inflection, lexicon
 from grammar.words import Word
 
 _KEYS = ("qwertyuiop", "asdfghjkl", "zxcvbnm")
@@ -57,8 +57,9 @@ def corrected(
     known, targets = _known(store)
     out: list[Word] = []
     changed: list[Correction] = []
-    for word in words:
-        taken = _taken(word, known, targets, lex)
+    for i, word in enumerate(words):
+        taken = _misread(word, known) or _small_word(words, i, known, lex)
+        taken = taken or _taken(word, known, targets, lex)
         if taken is not None:
             changed.append(Correction(word.text, taken, word.start))
             word = replace(word, text=taken)
@@ -72,34 +73,111 @@ def _taken(word: Word, known: frozenset[str], targets: tuple[str, ...], lex: Lex
         return None
     if lex.singular(text) in known or text in lex.glued or lex.singular(text) in lex.glued:
         return None
+    reach = 2 if len(text) >= 8 else 1
+    nearest = _nearest(text, targets, reach)
+    if not nearest and text.endswith("s") and len(text) > _MIN_LETTERS:
+        one = _nearest(lex.singular(text), targets, reach)
+        nearest = [inflection.plural(target, lex.plurals) for target in one]
+    if len(nearest) > 1:
+        alike = [target for target in nearest if target[-2:] == text[-2:]]
+        nearest = alike or nearest
+    singles = {lex.singular(target) for target in nearest}
+    return nearest[0] if len(singles) == 1 else None
+
+
+def _nearest(text: str, targets: tuple[str, ...], reach: int) -> list[str]:
+    """Return the targets that `text` may be a slip of, the nearest alone, in order."""
     from rapidfuzz import process  # only where a word is unknown: its import is not free
     from rapidfuzz.distance import OSA
 
-    reach = 2 if len(text) >= 8 else 1
     near = process.extract(text, targets, scorer=OSA.distance, score_cutoff=reach, limit=8)
     fitting = [(distance, target) for target, distance, _ in near if _is_slip(text, target)]
-    if not fitting:
+    best = min((distance for distance, _ in fitting), default=0)
+    return sorted({target for distance, target in fitting if distance == best})
+
+
+def _misread(word: Word, known: frozenset[str]) -> str | None:
+    """Return the word whose small l was written as a capital I: `Ieave`."""
+    meant = "l" + word.text[1:]
+    read = word.capital and word.text[0] == "i" and word.text not in known
+    return meant if read and meant in known and len(meant) >= _MIN_LETTERS else None
+
+
+_LEADING = ("the", "this", "that", "these", "those", "my", "your", "our")
+_VERBS = ("is", "are", "was", "were", "did", "does", "have")
+
+
+def _small_word(words: list[Word], i: int, known: frozenset[str], lex: Lexicon) -> str | None:
+    """Return the function word that a short unknown word is a slip of where one is due.
+
+    A determiner is due before a noun phrase that has none: `where is teh kettle`; a verb after a
+    question word or first: `where si`.
+    """
+    text = words[i].text
+    if text in known or not 1 < len(text) <= _MIN_LETTERS or not text.isalpha():
         return None
-    best = min(distance for distance, _ in fitting)
-    nearest = sorted({target for distance, target in fitting if distance == best})
-    if len(nearest) > 1:
-        singles = {lex.singular(target) for target in nearest}
-        return nearest[0] if len(singles) == 1 else None
-    return nearest[0]
+    if lex.singular(text) in known:
+        return None
+    before = words[i - 1].text if i else ""
+    after = words[i + 1].text if i + 1 < len(words) else ""
+    if before in ("", "where", "what", "when", "which", "how") and after:
+        return _slip_of(text, _VERBS)
+    if after and is_open(after) and not is_open(before) and before not in _DETERMINING:
+        return _slip_of(text, _LEADING)
+    return None
+
+
+_DETERMINING = words_of(
+    "a an the this that these those my your our his her its their some any no and or"
+)
+
+
+def _slip_of(said: str, meant: tuple[str, ...]) -> str | None:
+    """Return the word of `meant` with letters swapped, left out, or a neighbour struck."""
+    for word in meant:
+        if len(word) == len(said) and word != said and sorted(word) == sorted(said):
+            return word
+    for word in meant:
+        if len(word) > 2 and any(word[:k] + word[k + 1 :] == said for k in range(1, len(word))):
+            return word
+    for word in meant:
+        pairs = [(a, b) for a, b in zip(said, word, strict=False) if a != b]
+        same_length = len(word) == len(said) and len(pairs) == 1 and word[0] == said[0]
+        if same_length and _beside(*pairs[0]):
+            return word
+    return None
 
 
 def _is_slip(said: str, meant: str) -> bool:
     """Whether `said` may be a slip of `meant` and is no other word by the look of it."""
     if said[0] != meant[0] and said[:2] != meant[1::-1]:
         return False
+    if len(said) > 5 and _undoubled(said) == _undoubled(meant):
+        return True
     if len(said) == len(meant):
         differing = [(a, b) for a, b in zip(said, meant, strict=True) if a != b]
         if len(differing) == 1:
             return len(said) > _MIN_LETTERS and _beside(*differing[0])
-        return sorted(said) == sorted(meant) or len(said) >= 8
+        if sorted(said) == sorted(meant):
+            return True
+        return len(said) >= 8 and _struck_beside(said, meant)
     if len(said) > len(meant):
         return len(meant) >= _MIN_LETTERS and (_doubles(said, meant) or len(said) >= 7)
-    return not (meant == said + "s" or meant.endswith("ing"))
+    plural = meant == said + "s" and not meant.endswith("ss")
+    return not (plural or meant.endswith("ing"))
+
+
+def _struck_beside(said: str, meant: str) -> bool:
+    """Whether each letter that stands for another is its neighbour on the keyboard."""
+    from rapidfuzz.distance import Levenshtein
+
+    swapped = [op for op in Levenshtein.editops(said, meant) if op.tag == "replace"]
+    return all(_beside(said[op.src_pos], meant[op.dest_pos]) for op in swapped)
+
+
+def _undoubled(word: str) -> str:
+    """Return a word with each doubled letter written once: `baterry` is as `battery`."""
+    return "".join(a for a, b in zip(word, word[1:] + " ", strict=True) if a != b)
 
 
 def _doubles(said: str, meant: str) -> bool:

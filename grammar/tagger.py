@@ -11,15 +11,16 @@ from grammar.closed import is_open
 from grammar.cursor import DETERMINERS, OWNERS, PRONOUNS, TIME_GAP, Tagged
 from grammar.forms import ObjectTerm, Select
 from grammar.nouns import Attribute, Noun
-from grammar.nountags import NounTagger
-from grammar.phrases import phrases
+from grammar.phrases import breaks, phrases, place_follows, stands_at
 from grammar.speech import SEEK
 from grammar.tidying import tidied
+from grammar.verbtags import VerbTagger
 from grammar.vocabulary import Lexicon
 from grammar.words import Word
 
 _WITHIN = ("corner of", "middle of", "center of", "centre of", "end of")
 _INTENSIFIERS = frozenset(("right", "directly", "immediately", "straight"))
+_ALL = ("everything", "all", "every", "each")
 _FLOATS: dict[str, Select] = {"last": "last", "first": "first", "usual": "usual"}
 
 
@@ -28,7 +29,7 @@ def tag(words: list[Word], lexicon: Lexicon, it: ObjectTerm | None = None) -> Ta
     return Tagger(words, lexicon, it).run()
 
 
-class Tagger(NounTagger):
+class Tagger(VerbTagger):
     """One pass over the words of a sentence."""
 
     # -- the pass
@@ -56,6 +57,9 @@ class Tagger(NounTagger):
             self._emit("_SEEK", text, 1)
             return True
         if text == ",":
+            if self._text(self.i + 1) in DETERMINERS and self._text(self.i + 2) in ("one", "ones"):
+                self.i += 3  # my keys, the ones i put in the box
+                return True
             self._emit("COMMA", text, 1)
             return True
         if text in ("and", "&", "plus"):
@@ -87,6 +91,8 @@ class Tagger(NounTagger):
                 return self._float(terminal, said, size)
             case "BE_PRESENT" | "BE_PAST":
                 return self._be(terminal, said, size)
+            case "stands" | "stood":
+                return self._stands(terminal, said, size)
             case "AUX_DO" | "AUX_DID" | "AUX_HAVE" | "AUX_CAN" | "HAVE":
                 return self._auxiliary(terminal, said, size)
             case "HERE":
@@ -105,6 +111,8 @@ class Tagger(NounTagger):
         match terminal:
             case "seen_alone" | "where_last":
                 return not self.out.tags
+            case "_SHOW" if said == "tell me":
+                return not self.out.tags and self._text(following) in _ALL
             case "_SHOW" | "_FIND":
                 return not self.out.tags and self._noun_phrase_at(following)
             case "_WHETHER":
@@ -114,6 +122,10 @@ class Tagger(NounTagger):
             case "SIDE_BY_SIDE":
                 return said != "together" or self._text(following) != "with"
             case "WHO":
+                if said in PRONOUNS and self.it is not None:
+                    return self._acts(following)
+                if is_open(said.rpartition(" ")[2]) and self._goes_on(following):
+                    return False  # the robot vacuum is a thing
                 return said not in ("you", "u") or self._last() != "SEE"
             case "_EXCEPT":
                 before = ("NOUN", "ONE", "COMMA", "SIDE_BY_SIDE", "AT_PLACE", "HERE")
@@ -148,6 +160,7 @@ class Tagger(NounTagger):
             terminal == "_WHAT"
             and said == "what"
             and (self._open_at(following) or self._text(following) in numbers.CARDINALS)
+            and not (following < len(self.words) and stands_at(self.words, following))
         ):
             terminal = "_WHICH"
         named = self._noun_phrase_at(following) or self._text(following) in ("one", "ones")
@@ -185,14 +198,6 @@ class Tagger(NounTagger):
         self.i += size
         return True
 
-    def _relation_at(self, k: int) -> bool:
-        """Whether a phrase of relation stands at `k`: `right above`, `directly next to`."""
-        return any(
-            terminal.startswith("REL ")
-            and [self._text(k + j) for j in range(len(parts))] == [*parts]
-            for parts, terminal in phrases().by_first.get(self._text(k), ())
-        )
-
     def _float(self, terminal: str, said: str, size: int) -> bool:
         if self._last() in ("DET", "OWNER") and self._open_at(self.i + size):
             return False
@@ -208,6 +213,8 @@ class Tagger(NounTagger):
 
     def _relation(self, kind: str, said: str, size: int) -> bool:
         following = self.i + size
+        if said in ("above", "below") and self._last() == "DET":
+            return False
         if not self._noun_phrase_at(following) and self._text(following) not in (
             "one",
             "ones",
@@ -216,6 +223,7 @@ class Tagger(NounTagger):
             return False
         if said.endswith(_WITHIN) and self._within(following, size):
             return True
+        self._subject()
         negated = self._last() == "THAT_NOT"
         if negated:
             self.out.tags.pop()
@@ -235,42 +243,6 @@ class Tagger(NounTagger):
             self._emit("NOUN", Noun(part, part, known=True), k + 1 - self.i)
         else:
             return False
-        return True
-
-    def _be(self, terminal: str, said: str, size: int) -> bool:
-        if said == "be" and (self._has("BE") or self._has("AUX")):
-            self.i += size
-            return True
-        if said == "lies" and not self.out.tags:
-            return False
-        self._emit("BE", "present" if terminal == "BE_PRESENT" else "past", size)
-        return True
-
-    def _has(self, kind: str) -> bool:
-        return any(t.type == kind for t in self.out.tags)
-
-    def _auxiliary(self, terminal: str, said: str, size: int) -> bool:
-        following = self._text(self.i + size)
-        if terminal == "HAVE":
-            counted = self._has("_HOWMANY") and self._last() == "NOUN" and not following
-            if counted and self._has("AUX"):
-                self._emit("HAVE", said, size)
-                return True
-            if self._last() != "WHO" or not (
-                self._noun_phrase_at(self.i + size)
-                or not following
-                or following in ("in", "on", "at")
-            ):
-                return False
-            self._emit("HAVE", said, size)
-            return True
-        if self._has("AUX") and said in ("have", "had"):
-            self.i += size
-            return True
-        if terminal == "AUX_CAN" and said == "may" and self.out.tags:
-            return False
-        value = {"AUX_DO": "do", "AUX_DID": "did", "AUX_HAVE": "have", "AUX_CAN": "can"}[terminal]
-        self._emit("AUX", value, size)
         return True
 
     def _here(self, said: str, size: int) -> bool:
@@ -304,33 +276,6 @@ class Tagger(NounTagger):
         self._emit("HERE", said, size)
         return True
 
-    def _verb(self, terminal: str, said: str, size: int) -> bool:
-        if self._last() in ("DET", "OWNER", "ATTR", "NUMBER", "REL") and terminal != "SEE":
-            return False
-        if self._last() in ("DET", "OWNER", "ATTR") and self._open_at(self.i):
-            return False
-        if not self.out.tags:
-            return False
-        if terminal == "LEAVE" and self._participle(self.i + size):
-            self.i += size
-            return True
-        if terminal == "GO" and not (
-            self._has("_WHERE") or self._has("_HOWLONG") or self._has("_HOWOFTEN")
-        ):
-            return False
-        if terminal == "GO" and self._has("WHO"):
-            return False
-        if terminal == "LEAVE" and said in ("lost", "lose") and not self._has("WHO"):
-            return False
-        if terminal == "LEAVE" and said in ("lay", "hide") and not self._has("WHO"):
-            return False
-        if terminal == "MISSING" and said in ("gone", "lost", "removed") and self._has("_WHERE"):
-            return False
-        if terminal == "MOVED" and said == "different" and self._last() not in ("BE", "_WHAT"):
-            return False
-        self._emit(terminal, said, size)
-        return True
-
     def _stranded(self, text: str) -> bool:
         """Take a preposition at the end that belongs to its `which`: which shelf is it on."""
         if self.room and text in ("in", "at", "on"):
@@ -349,17 +294,16 @@ class Tagger(NounTagger):
             return True
         return kinds == ["_WHEN", "BE"] and self.lexicon.known_noun(text) is None
 
-    def _participle(self, following: int) -> bool:
-        """Whether a verb of leaving only says how a thing is: `seen hidden behind the box`."""
-        said = self._last() == "THERE" or any(t.type == "SEE" for t in self.out.tags)
-        return said and (self._relation_at(following) or self._text(following) == "in")
+    def _goes_on(self, k: int) -> bool:
+        """Whether an open word at `k` goes on a noun phrase: `these cups`, not `it somewhere`."""
+        return self._open_at(k) and not breaks(self.words, k)
 
     # -- the rest
 
     def _plain(self) -> bool:
         """Tag determiners, numbers, pronouns and the open words of noun phrases."""
         text = self._text(self.i)
-        if text in PRONOUNS and not self._open_at(self.i + 1) and self.it is not None:
+        if text in PRONOUNS and self.it is not None and not self._goes_on(self.i + 1):
             self._emit("NOUN", Noun(self.it.category, self.it.word, True, self.it), 1)
             return True
         if text in DETERMINERS:
@@ -378,8 +322,13 @@ class Tagger(NounTagger):
         if text == "from" and self._last() in ("MISSING", "MOVED"):
             self._emit("REL", "on", 1)
             return True
-        if text == "at" and self.i + 1 == len(self.words):
-            self.i += 1
+        if text == "at" and (
+            self.i + 1 == len(self.words) or place_follows(self.words, self.i + 1)
+        ):
+            self.i += 1  # where was it left at, where is it at in the hall
+            return True
+        if text in ("above", "below") and self._last() == "DET" and self._open_at(self.i + 1):
+            self._emit("ATTR", Attribute(text, "other"), 1)
             return True
         if self.i + 1 == len(self.words) and self._stranded(text):
             return True

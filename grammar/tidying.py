@@ -9,7 +9,18 @@ from grammar.nouns import PREDICATES, Attribute, Noun
 def tidied(tags: list[Tag]) -> list[Tag]:
     """Return the terminals with what only both neighbours tell."""
     tags = _things_described(_joined_attributes(_commas(_fronted(tags))))
-    return _predicates(tags)
+    return _excepted(_predicates(tags))
+
+
+def _excepted(tags: list[Tag]) -> list[Tag]:
+    """Let what is excepted at the end be of the things asked for: `what is on it but the cup`."""
+    if not tags or tags[0].type != "_WHAT" or tags[-1].type != "NOUN":
+        return tags
+    at = max((i for i, t in enumerate(tags) if t.type == "_EXCEPT"), default=0)
+    described = [t.type for t in tags[at + 1 : -1]]
+    if not at or not {*described} <= {"DET", "OWNER", "ATTR"} or tags[2].type in ("NOUN", "DET"):
+        return tags
+    return [*tags[:at], Tag("_BUT", 0, tags[at].word), *tags[at + 1 :]]
 
 
 def _fronted(tags: list[Tag]) -> list[Tag]:
@@ -61,6 +72,9 @@ def _joined_attributes(tags: list[Tag]) -> list[Tag]:
             )
             if attributes or ground or before in ("AND", ""):
                 continue
+        denied = any(t.type == "_THAT_IS_NOT" for t in out)
+        if tag_.type == "OR" and denied and (before, after) == ("ATTR", "ATTR"):
+            continue  # that is neither red nor white
         if tag_.type == "OR" and after in ("REL", "AT_PLACE"):
             tag_ = Tag("OR_ITEM", "or", tag_.word)
         out.append(tag_)
@@ -88,6 +102,7 @@ def _things_described(tags: list[Tag]) -> list[Tag]:
 def _predicates(tags: list[Tag]) -> list[Tag]:
     """Tell the attribute that is said of a noun: `is the cup red`."""
     out: list[Tag] = []
+    placed = bool(tags) and tags[0].type in ("_WHERE", "_WHEN", "_SEEK")
     for i, tag_ in enumerate(tags):
         if tag_.type == "ATTR" and isinstance(tag_.value, Attribute):
             rest = tags[i:]
@@ -95,6 +110,8 @@ def _predicates(tags: list[Tag]) -> list[Tag]:
             follows = i > 0 and out[-1].type in ("NOUN", "ONE", "PREDICATE", "BE", "AUX")
             if ends and follows:
                 kind = "PREDICATE" if tag_.value.kind in PREDICATES else "STATE"
+                if placed and kind == "STATE":
+                    continue  # where is the star drawn: what became of it is no place
                 out.append(Tag(kind, tag_.value, tag_.word))
                 continue
         out.append(tag_)

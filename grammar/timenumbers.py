@@ -262,6 +262,8 @@ class NumberReader:
         following = self._at(count)
         previous = self._at(-1)
         introduced = previous in tw.INTRODUCES_HOUR
+        if previous in ("and", "to", "-") and self.previous is None:
+            introduced = False  # the cup and two bowls
         if value >= 100:
             clock = value % 100 < 60 and value < 2400 and (previous == "at" or following == "hours")
             if clock:

@@ -12,7 +12,7 @@ from lark.exceptions import UnexpectedInput
 
 from grammar import lalr
 from grammar.closed import is_open
-from grammar.timeforms import Date, SpokenTime
+from grammar.timeforms import Date, Now, SpokenTime
 from grammar.timelexer import tokenise
 from grammar.timenumbers import TimeToken
 from grammar.timetransform import TimeForms
@@ -120,6 +120,11 @@ def joined(times: list[Found]) -> SpokenTime:
         offset.offset if offset else None,
         offset.offset_sign if offset else 0,
     )
+
+
+def is_present(said: SpokenTime) -> bool:
+    """Whether a time says no more than now: currently, at the moment."""
+    return not said.bounds and said.offset is None and all(isinstance(p, Now) for p in said.pieces)
 
 
 def is_slashed(word: str) -> bool:

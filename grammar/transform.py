@@ -8,9 +8,19 @@ from typing import Any
 from lark import Token, v_args
 
 from grammar.forms import ANYTHING, ObjectTerm
-from grammar.meaning import AtPlace, Group, Item, Meaning, MeaningError, Related, SideBySide, Things
+from grammar.meaning import (
+    THING,
+    AtPlace,
+    Group,
+    Item,
+    Meaning,
+    MeaningError,
+    Related,
+    SideBySide,
+    Things,
+)
 from grammar.nouns import Attribute, Noun
-from grammar.terms import Act, Aux, Passive, Terms, items_of
+from grammar.terms import Act, Aux, Change, Passive, Terms, items_of
 
 
 def _happened(words: tuple[Any, ...]) -> None:
@@ -131,6 +141,10 @@ class Meanings(Terms):
         """Rule when: _WHEN aux things MOVED tail?."""
         return Meaning("moved", _things(words))
 
+    def when_gone(self, *words: Any) -> Meaning:
+        """Rule when: _WHEN aux things MISSING tail?. The last time that it was seen."""
+        return Meaning("when", _things(words), select="last")
+
     # -- whether ---------------------------------------------------------------------------------
 
     def whether_act(self, *words: Any) -> Meaning:
@@ -177,6 +191,12 @@ class Meanings(Terms):
         if all(isinstance(item, SideBySide) for item in things.items):
             raise MeaningError("it names no thing")
         return Meaning("what", things)
+
+    def what_but(self, *words: Any) -> Meaning:
+        """Rule what: _WHAT aux tail but. What is left out is left out of the things asked for."""
+        without = next(w.without for w in words if isinstance(w, Change))
+        figure = Group((replace(THING, without=without),))
+        return Meaning("what", Things(figure, items_of(words)))
 
     def what_passive(self, *words: Any) -> Meaning:
         """Rule what: _WHAT aux passive."""

@@ -31,7 +31,8 @@ class Lexicon:
     """All words the parser knows, of the vocabulary files and of one store.
 
     nouns: singular noun -> category. broader: category -> wider words. attributes: word -> kind.
-    places: phrase -> place. relations: phrase -> kind. compounds: nouns of two words and more.
+    places: phrase -> place, spelled as the store does where it has it. relations: phrase -> kind.
+    words: every word that a noun is made of.
     """
 
     nouns: dict[str, str]
@@ -48,6 +49,7 @@ class Lexicon:
     glued: dict[str, str] = field(repr=False)
     heads: frozenset[str] = field(repr=False)
     single: frozenset[str] = field(repr=False)
+    words: frozenset[str] = field(repr=False)
 
     def singular(self, noun: str) -> str:
         """Return the singular of a noun, lower case."""
@@ -131,13 +133,15 @@ def _attribute_files(
 
 
 def _places(own: Iterable[str]) -> dict[str, str]:
+    """Return each place with the name it is printed by: as said, or as the store spells it."""
+    taught = [name.lower() for name in own]
     found: dict[str, str] = {}
     for line in files.lines("places.txt"):
         place, _, said = line.partition("=")
-        place = place.strip()
-        found[place] = place
-        found.update(dict.fromkeys(files.split(said), place))
-    found.update({name.lower(): name.lower() for name in own})
+        alike = (place.strip(), *files.split(said))
+        spelled = next((name for name in alike if name in taught), None)
+        found.update({name: spelled or name for name in alike})
+    found.update({name: name for name in taught})
     return found
 
 
@@ -193,4 +197,5 @@ def lexicon(words: StoreWords = StoreWords()) -> Lexicon:  # frozen and empty
             for form in (noun, inflection.plural(noun, plurals))
         ),
         heads=frozenset(noun.rpartition(" ")[2] for noun in nouns),
+        words=frozenset(word for noun in nouns for word in noun.split()),
     )

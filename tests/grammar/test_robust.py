@@ -27,7 +27,7 @@ SAID = {
     "OR": "or", "OR_ITEM": "or", "OWNED": "of mine", "OWNER": "my", "PART": "handle",
     "PREDICATE": "red", "STRANDED": "on", "REL": "next to", "SIDE_BY_SIDE": "together",
     "THAT_NOT_REL": "that is not on", "THERE": "there", "WHO": "you", "SEE": "see",
-    "LEAVE": "leave", "FINDS": "find", "_EXCEPT": "other than", "_FIND": "find",
+    "LEAVE": "leave", "FINDS": "find", "_BUT": "besides", "_EXCEPT": "but not", "_FIND": "find",
     "_HOWLONG": "how long", "_HOWMANY": "how many", "_HOWOFTEN": "how often",
     "_MADE_OF": "made of", "_NOT_MADE_OF": "not made of", "_SEEK": "i am looking for",
     "_SHOW": "show me", "_THAT_IS": "that is", "_THAT_IS_NOT": "that is not", "_WHAT": "what",

@@ -66,12 +66,17 @@ def clock(moment: datetime | None) -> str:
         ("from half past nine to quarter to eleven", "2016-11-07 09:30", "2016-11-07 10:45"),
         ("on tuesday after 3 pm", "2016-11-01 15:00", "2016-11-02 00:00"),
         ("around noon", "2016-11-07 11:30", "2016-11-07 12:30"),
-        ("right now", "2016-11-07 16:12", "2016-11-07 16:12"),
     ],
 )
 def test_spoken_time(said: str, start: str, end: str) -> None:
     found = slice_of(said)
     assert (clock(found.start), clock(found.end)) == (start, end)
+
+
+@pytest.mark.parametrize("said", ["right now", "currently", "now", "at the moment"])
+def test_the_present_is_no_slice_but_the_newest_sighting(said: str) -> None:
+    query = parse(f"is the cup on the table {said}", now=MONDAY)
+    assert (query.time, query.select) == (None, "last")
 
 
 @pytest.mark.parametrize(

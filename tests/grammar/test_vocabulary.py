@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import pytest
 
+from grammar.adjectives import describes
 from grammar.forms import RELATION_KINDS, SELECTS
 from grammar.phrases import phrases
 from grammar.reading import QUESTION
 from grammar.vocabulary import (
+    StoreWords,
     broader,
     canonical,
     lexicon,
@@ -120,9 +122,44 @@ def test_phrases_are_terminals_of_the_grammar() -> None:
     own = {
         "drop", "last", "first", "usual", "negative", "where_room", "where_last", "when_last",
         "when_first", "same_place", "seen_alone", "BE_PRESENT", "BE_PAST", "AUX_DO", "AUX_DID",
-        "AUX_HAVE", "AUX_CAN",
+        "AUX_HAVE", "AUX_CAN", "stands", "stood",
     }  # fmt: skip
     found = {terminal for entries in phrases().by_first.values() for _, terminal in entries}
     plain = {terminal for terminal in found if not terminal.startswith("REL ")}
     assert plain - own <= set(QUESTION.text.rpartition("%declare")[2].split())
     assert {"last", "first", "usual"} <= set(SELECTS)
+
+
+@pytest.mark.parametrize(
+    ("own", "said", "place"),
+    [
+        ((), "hallway", "hallway"),
+        (("hall",), "hallway", "hall"),
+        (("Lounge",), "living room", "lounge"),
+        (("lounge",), "sitting room", "lounge"),
+        (("nook",), "nook", "nook"),
+    ],
+)
+def test_a_place_is_spelled_as_said_or_as_the_store_has_it(
+    own: tuple[str, ...], said: str, place: str
+) -> None:
+    assert lexicon(StoreWords(places=own)).places[said] == place
+
+
+@pytest.mark.parametrize(
+    ("word", "describes_it"),
+    [
+        ("quilted", True),
+        ("woven", True),
+        ("waterproof", True),
+        ("greenish", True),
+        ("leafy", True),
+        ("silken", True),
+        ("tweed", False),
+        ("puppy", False),
+        ("kitchen", False),
+        ("fairy", False),
+    ],
+)
+def test_an_adjective_is_told_by_its_making(word: str, *, describes_it: bool) -> None:
+    assert describes(word, lexicon().words | {"silk"}) is describes_it

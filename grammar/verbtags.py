@@ -1,0 +1,121 @@
+"""Terminals of verbs: to be, auxiliaries, verbs of seeing, leaving and of position."""
+
+from __future__ import annotations
+
+from grammar.cursor import Tag
+from grammar.nouns import Noun
+from grammar.nountags import NounTagger
+from grammar.phrases import phrases, stands_at
+
+_APPEARING = frozenset(
+    ("appear", "appeared", "show up", "showed up", "turn up", "turned up", "pop up", "popped up")
+)
+_BEING = {"do": "present", "did": "past", "have": "past"}
+"""The tense of a question in which a verb of position follows its auxiliary."""
+
+
+class VerbTagger(NounTagger):
+    """Reads the verbs of a question by their neighbours."""
+
+    def _acts(self, k: int) -> bool:
+        """Whether a verb of seeing or leaving with its object stands at `k`: they left my keys."""
+        while self._text(k) in ("have", "had", "last", "ever", "just"):
+            k += 1
+        return self._text(k) in phrases().verbs and self._noun_phrase_at(k + 1)
+
+    def _relation_at(self, k: int) -> bool:
+        """Whether a phrase of relation stands at `k`: `right above`, `directly next to`."""
+        return any(
+            terminal.startswith("REL ")
+            and [self._text(k + j) for j in range(len(parts))] == [*parts]
+            for parts, terminal in phrases().by_first.get(self._text(k), ())
+        )
+
+    def _subject(self) -> None:
+        """Say what a place is asked of where a second sentence leaves it out: `is on my desk`."""
+        if self.it is not None and [t.type for t in self.out.tags] == ["BE"]:
+            self._emit("NOUN", Noun(self.it.category, self.it.word, True, self.it), 0)
+
+    def _stands(self, terminal: str, said: str, size: int) -> bool:
+        """Read a verb of position before its place as `is`: what hangs over the door."""
+        if not self.out.tags or self._has("WHO") or not stands_at(self.words, self.i):
+            return False
+        value = "present" if terminal == "stands" else "past"
+        for k, tag_ in enumerate(self.out.tags):
+            if tag_.type == "AUX" and tag_.value in _BEING:  # did a lamp stand on the desk
+                self.out.tags[k] = Tag("BE", _BEING.get(str(tag_.value), value), tag_.word)
+                self.i += size
+                return True
+        if self._last() not in ("_WHAT", "NOUN", "ONE", "THERE"):
+            return False
+        self._emit("BE", value, size)
+        return True
+
+    def _be(self, terminal: str, said: str, size: int) -> bool:
+        if said == "be" and (self._has("BE") or self._has("AUX")):
+            first = self.out.tags[0]
+            if first.type == "AUX" and first.value == "can":  # could my keys be in the car
+                self.out.tags[0] = Tag("BE", "present", first.word)
+            self.i += size
+            return True
+        self._emit("BE", "present" if terminal == "BE_PRESENT" else "past", size)
+        return True
+
+    def _has(self, kind: str) -> bool:
+        return any(t.type == kind for t in self.out.tags)
+
+    def _auxiliary(self, terminal: str, said: str, size: int) -> bool:
+        following = self._text(self.i + size)
+        if terminal == "HAVE":
+            counted = self._has("_HOWMANY") and self._last() == "NOUN" and not following
+            if counted and self._has("AUX"):
+                self._emit("HAVE", said, size)
+                return True
+            if self._last() != "WHO" or not (
+                self._noun_phrase_at(self.i + size)
+                or not following
+                or following in ("in", "on", "at")
+            ):
+                return False
+            self._emit("HAVE", said, size)
+            return True
+        if self._has("AUX") and said in ("have", "had"):
+            self.i += size
+            return True
+        if terminal == "AUX_CAN" and said == "may" and self.out.tags:
+            return False
+        value = {"AUX_DO": "do", "AUX_DID": "did", "AUX_HAVE": "have", "AUX_CAN": "can"}[terminal]
+        self._emit("AUX", value, size)
+        return True
+
+    def _verb(self, terminal: str, said: str, size: int) -> bool:
+        if self._last() in ("DET", "OWNER", "ATTR", "NUMBER", "REL") and terminal != "SEE":
+            return False
+        if self._last() in ("DET", "OWNER", "ATTR") and self._open_at(self.i):
+            return False
+        if not self.out.tags:
+            return False
+        if terminal == "LEAVE" and self._participle(self.i + size):
+            self.i += size
+            return True
+        appears = said in _APPEARING and (self._has("_WHEN") or self._has("AUX"))
+        placed = self._has("_WHERE") or self._has("_HOWLONG") or self._has("_HOWOFTEN")
+        if terminal == "GO" and not (placed or appears):
+            return False
+        if terminal == "GO" and self._has("WHO"):
+            return False
+        if terminal == "LEAVE" and said in ("lost", "lose") and not self._has("WHO"):
+            return False
+        if terminal == "LEAVE" and said in ("lay", "hide") and not self._has("WHO"):
+            return False
+        if terminal == "MISSING" and said in ("gone", "lost", "removed") and self._has("_WHERE"):
+            return False
+        if terminal == "MOVED" and said == "different" and self._last() not in ("BE", "_WHAT"):
+            return False
+        self._emit(terminal, said, size)
+        return True
+
+    def _participle(self, following: int) -> bool:
+        """Whether a verb of leaving only says how a thing is: `seen hidden behind the box`."""
+        said = self._last() == "THERE" or any(t.type == "SEE" for t in self.out.tags)
+        return said and (self._relation_at(following) or self._text(following) == "in")
