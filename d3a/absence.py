@@ -128,12 +128,11 @@ class Absence:
         found = {g.thing.number: g.thing for g in self._glances.values() if g.found}
         return [found[number] for number in sorted(found)]
 
-    def end_look(self) -> tuple[list[Known], list[Known]]:
-        """Judge the look that ended; return the things that left a place, and those missed.
+    def end_look(self) -> list[Known]:
+        """Judge the look that ended; return the things that it missed.
 
         Updates evidence, chances and `last_absent_ms` of every place that was in view.
         """
-        left: list[Known] = []
         missed: list[Known] = []
         for key in sorted(self._glances):
             glance = self._glances[key]
@@ -148,10 +147,9 @@ class Absence:
             else:
                 continue
             missed.append(thing)
-            if self._missed(glance, odds):
-                left.append(thing)
+            self._missed(glance, odds)
         self._glances.clear()
-        return left, missed
+        return missed
 
     def _chance(self, place: Place) -> float:
         """Return how likely the thing would have been found, were it there."""
@@ -171,20 +169,17 @@ class Absence:
         if place.last_absent_ms is not None:
             place.last_absent_ms, thing.dirty = None, True
 
-    def _missed(self, glance: Glance, odds: float) -> bool:
-        """Count a miss; say whether the place is seen to be empty now, and was not before."""
+    def _missed(self, glance: Glance, odds: float) -> None:
+        """Count a miss; enough of them say that the place is empty."""
         thing, place = glance.thing, glance.place
         if thing.seen > self._parameters.confirm_sightings and place.last_absent_ms is None:
             self._relooked += 1
         place.evidence += odds
         place.chances += 1
         place.misses += 1
-        if place.evidence < self._parameters.absent_odds:
-            return False
-        first = place.last_absent_ms is None
-        place.last_absent_ms = self._end_ms
-        thing.dirty = True
-        return first
+        if place.evidence >= self._parameters.absent_odds:
+            place.last_absent_ms = self._end_ms
+            thing.dirty = True
 
     def forget(self, thing: Known) -> None:
         """Forget what the look showed of a thing that leaves the memory."""

@@ -1,61 +1,158 @@
 """Default profile: the identity of things that were moved.
 
-A new thing is an old one that was moved if the old place was seen empty before or since, the look
-is the same, and no other candidate is nearly as alike. To inherit an id from whatever is most
-alike, as the paper does, is right once in ten times.
+A thing that turns up at a new place is an old one, or none that is known. How alike the looks of
+two things must be for that is learned from things that cannot be one, as both were seen since; and
+a place that was looked at in vain since says that its thing has left. To inherit an id from
+whatever is most alike, as the paper does, is right once in ten times.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from d3a.ledger import Ledger
+from d3a.likelihood import SAME, LookModel
 from d3a.look_space import LookSpace
-from d3a.memory import Known, Memory
+from d3a.memory import Known, Memory, Place
 from d3a.parameters import Parameters
 from d3a.sightings import Became, entry_name
 from d3a.store.base import Encounter, StayKey
 
+Floats = NDArray[np.float64]
+BINS = 40
+"""Of cosines, -1 to 1."""
+OTHER_PRIOR, OTHER_MEAN, OTHER_SIGMA = 10.0, 0.3, 0.3
+"""Pairs of different things that are assumed before any was seen, and how alike they are."""
+SAME_SIGMA, SAME_OUTLIERS = 0.12, 0.05
+"""How the likeness of two means of one thing varies between places, and the share that does not
+follow it: another side, another light."""
+GONE_MOST = 5.0
+"""Log-odds that looks in vain count for at most."""
+
 
 @dataclass(frozen=True, slots=True)
 class Link:
-    """`new` is `old`, moved; score: how alike they look, 0..1."""
+    """`new` is `old`, moved; score: how likely that is, 0..1."""
 
     old: Known
     new: Known
     score: float
 
 
-def find_links(memory: Memory, space: LookSpace, parameters: Parameters) -> list[Link]:
-    """Return the moves that are plain: each the best of both its ends, by a lead."""
-    gone = [thing for thing in _confirmed(memory, parameters) if _has_left(thing)]
-    fresh = [thing for thing in _confirmed(memory, parameters) if _is_unexplained(thing)]
-    scores: dict[tuple[int, int], float] = {}
-    for old in gone:
+class Moves:
+    """Finds the moves that are plain, and learns how alike different things look."""
+
+    def __init__(
+        self, memory: Memory, space: LookSpace, looks: LookModel, parameters: Parameters
+    ) -> None:
+        self._memory = memory
+        self._space = space
+        self._looks = looks
+        self._parameters = parameters
+        self.others: Floats = _assumed()
+        """(BINS,): how often two different things of a category were so much alike."""
+        self.compared: set[int] = set()
+        """Numbers of the things that `others` has learned from."""
+
+    def find(self) -> list[Link]:
+        """Return the moves that are likelier than all else that either thing may be, together."""
+        confirmed = _confirmed(self._memory, self._parameters)
+        fresh = [thing for thing in confirmed if _is_unexplained(thing)]
+        self._compare([new for new in fresh if new.number not in self.compared], confirmed)
+        by_category: dict[str, list[Known]] = {}
         for new in fresh:
-            if new.first_ms > old.last_ms and new.category in old.votes and old is not new:
-                likeness = _likeness(memory, space, old, new)
-                if likeness >= parameters.move_similarity:
-                    scores[old.number, new.number] = likeness
-    links = []
-    for (old_number, new_number), score in sorted(scores.items()):
-        rivals = [
-            other
-            for key, other in scores.items()
-            if key != (old_number, new_number) and (key[0] == old_number or key[1] == new_number)
+            by_category.setdefault(new.category, []).append(new)
+        pairs = [
+            (new, old, place)
+            for old in confirmed
+            if (place := _latest(old)).misses > 0
+            for new in by_category.get(old.category, ())
+            if place.last_ms < new.first_ms and new is not old
         ]
-        new = memory.things[new_number]
-        # What stands elsewhere and looks as much like it shows how little the look tells.
-        rivals += [
-            _likeness(memory, space, other, new)
-            for other in _confirmed(memory, parameters)
-            if other.number not in (old_number, new_number) and new.category in other.votes
+        if not pairs:
+            return []
+        return self._links(pairs)
+
+    def _links(self, pairs: list[tuple[Known, Known, Place]]) -> list[Link]:
+        """Return the plain ones of the pairs that may be moves."""
+        news = sorted({new.number for new, _, _ in pairs})
+        olds = sorted({old.number for _, old, _ in pairs})
+        things = self._memory.things
+        likeness = self._likeness([things[n] for n in news], [things[n] for n in olds])
+        row, column = ({n: k for k, n in enumerate(each)} for each in (news, olds))
+        odds = np.full(likeness.shape, -np.inf)
+        for new, old, place in pairs:
+            i, j = row[new.number], column[old.number]
+            if not math.isnan(likeness[i, j]):
+                odds[i, j] = self._odds(float(likeness[i, j]), new, old, place)
+        return [
+            Link(things[olds[j]], things[news[i]], score)
+            for i, j, score in _plain(odds, self._parameters.move_probability)
         ]
-        if score >= max(rivals, default=0.0) + parameters.move_lead:
-            links.append(Link(memory.things[old_number], memory.things[new_number], score))
-    return links
+
+    def _likeness(self, ones: list[Known], others: list[Known]) -> Floats:
+        """Return the cosines (ones, others), NaN where a look is unknown."""
+        looks = self._memory.looks
+        left, right = (self._space.of(looks.rows(each)) for each in (ones, others))
+        known = [np.array([thing.look_weight > 0 for thing in each]) for each in (ones, others)]
+        cosines = (left @ right.T).astype(np.float64)
+        return np.where(known[0][:, None] & known[1], cosines, np.nan)
+
+    def _compare(self, fresh: list[Known], confirmed: list[Known]) -> None:
+        """Learn from those that were seen elsewhere since: they are other things."""
+        for new in fresh:
+            self.compared.add(new.number)
+            others = [
+                other
+                for other in confirmed
+                if other.category == new.category
+                and other.last_ms >= new.first_ms
+                and other is not new
+            ]
+            if others:
+                for likeness in self._likeness([new], others)[0].tolist():
+                    if not math.isnan(likeness):
+                        self.others[_bin(likeness)] += 1.0
+
+    def _odds(self, likeness: float, new: Known, old: Known, place: Place) -> float:
+        """Return the log-odds that `new` is `old`, which was last seen at `place`."""
+        # Means vary less than the views that are compared with them.
+        usual = math.sqrt(max(float(self._looks.sums[-1, SAME, 1]), 0.0))
+        away = (likeness - usual) / SAME_SIGMA
+        bell = math.exp(-(min(away, 0.0) ** 2) / 2) / (SAME_SIGMA * math.sqrt(2 * math.pi))
+        same = (1 - SAME_OUTLIERS) * bell + SAME_OUTLIERS / 2
+        other = self._density(likeness)
+        look = math.log(same / other)
+        if look < self._parameters.plain_odds:  # an empty place alone does not say what left it
+            return -math.inf
+        return look + min(place.evidence, GONE_MOST) + self._parameters.move_odds
+
+    def _density(self, likeness: float) -> float:
+        """Return how dense different things lie at a likeness, from there up, smoothed."""
+        near = self.others[max(0, _bin(likeness) - 1) :]
+        return float(near.sum() / self.others.sum()) / (len(near) * 2 / BINS)
+
+
+def _assumed() -> Floats:
+    middle = (np.arange(BINS) + 0.5) * 2 / BINS - 1
+    bell = np.exp(-(((middle - OTHER_MEAN) / OTHER_SIGMA) ** 2) / 2)
+    return np.asarray(OTHER_PRIOR * bell / bell.sum())
+
+
+def _bin(likeness: float) -> int:
+    return min(BINS - 1, max(0, int((likeness + 1.0) / 2.0 * BINS)))
+
+
+def _plain(odds: Floats, least: float) -> list[tuple[int, int, float]]:
+    """Return pairs whose probability is at least so much, among all that either end may be."""
+    weight = np.exp(np.minimum(odds, 50.0))
+    rivals = weight.sum(axis=0, keepdims=True) + weight.sum(axis=1, keepdims=True) - weight
+    chance = weight / (1.0 + rivals)
+    return [(i, j, float(chance[i, j])) for i, j in np.argwhere(chance >= least).tolist()]
 
 
 def _confirmed(memory: Memory, parameters: Parameters) -> list[Known]:
@@ -66,10 +163,8 @@ def _confirmed(memory: Memory, parameters: Parameters) -> list[Known]:
     ]
 
 
-def _has_left(thing: Known) -> bool:
-    """Say whether its latest place was seen empty since."""
-    latest = max(thing.places, key=lambda place: (place.last_ms, place.number))
-    return latest.last_absent_ms is not None
+def _latest(thing: Known) -> Place:
+    return max(thing.places, key=lambda place: (place.last_ms, place.number))
 
 
 def _is_unexplained(thing: Known) -> bool:
@@ -77,18 +172,10 @@ def _is_unexplained(thing: Known) -> bool:
     return len(thing.places) == 1 and not thing.names and thing.places[0].moved_from is None
 
 
-def _likeness(memory: Memory, space: LookSpace, old: Known, new: Known) -> float:
-    a, b = memory.looks.of(old), memory.looks.of(new)
-    if a is None or b is None:
-        return 0.0
-    one, other = space.of(np.stack([a, b]))
-    return float(one @ other)
-
-
 def apply_link(link: Link, memory: Memory, ledger: Ledger, parameters: Parameters) -> Became:
     """Make `new` a further place of `old`, in the memory and in what is written already."""
     old, new = link.old, link.new
-    left = max(old.places, key=lambda place: (place.last_ms, place.number))
+    left = _latest(old)
     place = new.places[0]
     was: StayKey = (new.object_id, place.number)
     place.number = max(each.number for each in old.places) + 1

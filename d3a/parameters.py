@@ -77,8 +77,8 @@ class Parameters:
     absent_odds: float = 6.0  # log-odds (400 to 1) at which a place counts as seen empty
     seen_through_m: float = 0.3  # depth this far behind a thing's place: it is not there
     expire_chances: int = 5  # looks in which a tentative thing may stay unseen
-    move_similarity: float = 0.85  # look of a thing before and after it was moved
-    move_lead: float = 0.05  # and by how much it must lead the second-best candidate
+    move_odds: float = -3.0  # log-odds that a thing which turned up is a certain one, moved
+    move_probability: float = 0.8  # from here on a move is linked
     # Sightings
     interval_gap_s: float = 600.0  # an interval closes after this long without a view
     max_interval_s: float = 3600.0  # storage limit; longer ones are split and joined on reading

@@ -11,7 +11,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from d3a import moves
 from d3a.absence import Absence
 from d3a.checkpoint import Arrays
 from d3a.encounters import Encounters
@@ -23,6 +22,7 @@ from d3a.memory import Known, Memory, Place
 from d3a.memory_state import memory_of_state, memory_state
 from d3a.merging import Evidence, likely_same, merge, never_together
 from d3a.model import Json
+from d3a.moves import Moves, apply_link
 from d3a.parameters import Parameters
 from d3a.recall import FIRST_NUMBER, Recall, is_histogram
 from d3a.sightings import Became, Event, FrameRef, Interval, Scene, Seen, entry_name
@@ -45,11 +45,12 @@ class TrackerPipeline:
         self._memory = Memory()
         self._categories = CategoryModel(parameters)
         self._matcher = Matcher(self._memory, self._categories, parameters)
+        looks = self._matcher.looks
+        self._moves = Moves(self._memory, self._matcher.space, looks, parameters)
         self._absence = Absence(self._memory, parameters)
         self._recall = Recall(self._memory, ledger, stored, parameters, outside)
         self._encounters = Encounters(parameters)
         self._next_number = FIRST_NUMBER
-        self._confirmed_since = False
         self._events: list[Event] = []
 
     def observe(self, scene: Scene) -> None:
@@ -76,6 +77,7 @@ class TrackerPipeline:
             self._encounters.write(self._ledger)
             self._encounters.forget(gone.object_id)
             self._absence.forget(gone)
+            self._moves.compared.discard(gone.number)
 
     def _fetch(self, observed: Observed, scene: Scene) -> None:
         noise = np.trace(observed.noise, axis1=1, axis2=2)
@@ -128,7 +130,6 @@ class TrackerPipeline:
             each.last_ms = max(each.last_ms, ref.time_ms)
             each.first_ms = min(each.first_ms, ref.time_ms)
         thing.dirty = True
-        self._confirmed_since |= thing.seen == self._parameters.confirm_sightings
         key = (thing.object_id, place.number)
         self._grow(place, Interval.of(ref, detection), key)
         for row in found.rows:
@@ -157,12 +158,8 @@ class TrackerPipeline:
     def end_look(self) -> None:
         """Judge the look that ended: what was missing, what expires, what was moved."""
         found = self._absence.found()
-        left, missed = self._absence.end_look()
-        missed = self._merge(missed, found)
-        self._expire(missed)
-        if left or self._confirmed_since:
-            self._confirmed_since = False
-            self._link()
+        self._expire(self._merge(self._absence.end_look(), found))
+        self._link()
 
     def _merge(self, missed: list[Known], found: list[Known]) -> list[Known]:
         """Make one of what a look missed and what it found there; return what is still missed."""
@@ -203,10 +200,10 @@ class TrackerPipeline:
                 self._memory.remove(thing)
 
     def _link(self) -> None:
-        for link in moves.find_links(self._memory, self._matcher.space, self._parameters):
+        for link in self._moves.find():
             was = (link.new.object_id, link.new.places[0].number)
             self.write()
-            became = moves.apply_link(link, self._memory, self._ledger, self._parameters)
+            became = apply_link(link, self._memory, self._ledger, self._parameters)
             self._encounters.rename(was, (link.old.object_id, link.old.places[-1].number))
             self._events.append(became)
 
@@ -239,14 +236,15 @@ class TrackerPipeline:
         arrays["look_model"] = self._matcher.looks.sums
         arrays["look_space"] = self._matcher.space.sums
         arrays["look_counts"] = self._matcher.space.counts
+        arrays["others"] = self._moves.others
         arrays["residuals"] = self._matcher.residuals
         arrays["doubt"] = self._categories.doubt
         arrays["neighbours"] = self._matcher.neighbours.pairs
         arrays["looked_around"] = self._matcher.neighbours.seen
         record |= {
             "next": self._next_number,
-            "confirmed_since": self._confirmed_since,
             "categories": dict(self._categories.counts),
+            "compared": sorted(self._moves.compared),
             "offset": self._matcher.offset.to_state(),
             "absence": self._absence.to_state(),
             "recall": self._recall.to_state(),
@@ -262,10 +260,11 @@ class TrackerPipeline:
         self._matcher.residuals = np.array(arrays["residuals"])
         self._matcher.space.sums = np.array(arrays["look_space"])
         self._matcher.space.counts = np.array(arrays["look_counts"])
+        self._moves.others = np.array(arrays["others"])
+        self._moves.compared = set(record["compared"])
         self._categories.doubt = np.array(arrays["doubt"])
         self._matcher.neighbours.pairs = np.array(arrays["neighbours"])
         self._matcher.neighbours.seen = np.array(arrays["looked_around"])
-        self._confirmed_since = record["confirmed_since"]
         self._categories.counts.update(record["categories"])
         self._matcher.offset.restore(record["offset"])
         self._absence.restore(record["absence"])

@@ -280,6 +280,25 @@ def test_no_move_is_linked_while_the_old_place_is_taken() -> None:
     assert len(filled(frames).objects()) == 2
 
 
+def test_another_look_at_a_new_place_is_no_move() -> None:
+    here = Detection("cup", 0.9, (14, 20, 22, 28), embedding=colour(1))
+    other = Detection("cup", 0.9, (44, 20, 52, 28), embedding=colour(2))
+    frames = [looking(n, here, away_m=3.0) for n in range(12)]
+    frames += [looking(n, away_m=4.5) for n in range(12, 24)]
+    frames += [looking(n, other, away_m=3.0) for n in range(24, 36)]
+    assert len(filled(frames).objects()) == 2
+
+
+def test_of_two_alike_that_left_neither_is_the_one_that_turned_up() -> None:
+    one = Detection("cup", 0.9, (4, 20, 12, 28), embedding=colour(1))
+    two = Detection("cup", 0.9, (26, 20, 34, 28), embedding=colour(1))
+    moved = Detection("cup", 0.9, (50, 20, 58, 28), embedding=colour(1))
+    frames = [looking(n, one, two, away_m=3.0) for n in range(12)]
+    frames += [looking(n, away_m=4.5) for n in range(12, 24)]
+    frames += [looking(n, moved, away_m=3.0) for n in range(24, 36)]
+    assert len(filled(frames).objects()) == 3
+
+
 def test_two_things_that_turn_out_to_be_one_are_made_one() -> None:
     """A first bad position founds a second cup; the looks that find one and miss it join them."""
 
@@ -291,7 +310,7 @@ def test_two_things_that_turn_out_to_be_one_are_made_one() -> None:
 
     frames = [looking(0, at(0.5), away_m=2.0), looking(2, at(0.5), away_m=2.0)]
     frames += [looking(n, at(-0.2), away_m=2.0) for n in range(4, 12)]
-    narrow = DEFAULT.with_changes(space_m3=0.01)
+    narrow = DEFAULT.with_changes(space_m3=0.01, move_probability=1.0)
     apart = filled(frames, narrow.with_changes(merge_odds=99.0))
     joined = filled(frames, narrow.with_changes(merge_odds=-9.0))
     assert len(apart.objects()) == 2
