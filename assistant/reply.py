@@ -87,6 +87,8 @@ def _is_open(query: FormalQuery) -> bool:
 def _whether(answer: Answer, query: FormalQuery, now: datetime) -> str:
     if _is_open(query):
         return f"{'No, there was:' if query.negated else 'Yes.'} {_what(answer, query, now)}"
+    if query.time is not None and query.time.is_point and query.time.start is not None:
+        return _whether_then(answer, query, query.time.start, now)
     term, condition = term_of(query), condition_words(answer, query)
     many = said_many(query, term)
     heads, newest = likely_of(answer), newest_of(answer)
@@ -158,6 +160,30 @@ def _where_then(answer: Answer, query: FormalQuery, at: datetime, now: datetime)
         pronoun = "them" if said_many(query, term_of(query)) else "it"
         thing = pronoun if before is not None else thing
         told.append(f"I saw {thing} next {when(after.start, now)}{there}.")
+    return " ".join(told)
+
+
+def _whether_then(answer: Answer, query: FormalQuery, at: datetime, now: datetime) -> str:
+    """Return whether it was seen at a moment; if not, the sighting before and the one after."""
+    term, condition = term_of(query), condition_words(answer, query)
+    many = said_many(query, term)
+    thing = indefinite(term, found_words(answer, query), many=many)
+    heads, moment = likely_of(answer), slice_words(TimeSlice(at, at), now)
+    during = next((k for k in heads if k.start <= at <= k.end), None)
+    if during is not None:
+        opening = "No, there was:" if query.negated else "Yes."
+        where = where_words(during, query)
+        return f"{opening} I was seeing {thing}{condition} {moment}{f', {where}' if where else ''}."
+    before = max((k for k in heads if k.end < at), key=lambda k: (k.end, -k.rank), default=None)
+    after = min((k for k in heads if k.start > at), key=lambda k: (k.start, k.rank), default=None)
+    told = [f"I did not see {thing}{condition} {moment}."]
+    for keyframe, verb in ((before, "had last seen"), (after, "next saw")):
+        if keyframe is not None:
+            where = where_words(keyframe, query)
+            there = f", {where}" if where else ""
+            seen = keyframe.end if keyframe is before else keyframe.start
+            pronoun = thing if term.owner else ("some" if many else "one")
+            told.append(f"I {verb} {pronoun} {when(seen, now)}{there}.")
     return " ".join(told)
 
 
