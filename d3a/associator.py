@@ -8,6 +8,7 @@ not.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any, Protocol
 
@@ -20,7 +21,14 @@ from d3a.parameters import Parameters
 from d3a.pictures import Pictures
 from d3a.readers.base import RecordingFacts, Skipped
 from d3a.sightings import Event, Scene
-from d3a.store.base import Batch, RecordingRecord, Region, Store, StoreRefused
+from d3a.store.base import (
+    Batch,
+    RecordingRecord,
+    Region,
+    Store,
+    StoreRefused,
+    TaughtName,
+)
 from d3a.tier3 import Stored
 from d3a.tracker import TrackerPipeline
 
@@ -34,6 +42,10 @@ class Pipeline(Protocol):
 
     def end_look(self) -> None:
         """Judge what the robot saw from the viewpoint that it has left."""
+        ...
+
+    def take_names(self, taught: Mapping[str, tuple[TaughtName, ...]]) -> None:
+        """Learn the names of objects, by id: they are all that have any."""
         ...
 
     def write(self) -> None:
@@ -174,12 +186,17 @@ class Associator:
 
     def checkpoint(self, reader_skipped: Skipped, *, done: bool = False) -> None:
         """Write everything so far to the store, in one batch that becomes visible at once."""
+        taught = self._ledger.taught()
+        self._pipeline.take_names(taught)
         self._pipeline.write()
         if self._coverage.open is not None:
             self._ledger.put_view(self._coverage.open)
         if done:
             self._coverage.open = None
         fields = self._ledger.batch_fields()
+        fields["objects"] = [
+            replace(record, names=taught.get(record.object_id, ())) for record in fields["objects"]
+        ]
         wanted = {r.image for r in (*fields["sightings"], *fields["encounters"]) if r.image}
         keyframes = self._pictures.take(wanted | self._pipeline.images(), self.skipped)
         for kind in ("sightings", "encounters"):

@@ -18,6 +18,7 @@ from d3a.store.base import (
     StayKey,
     StayRecord,
     Store,
+    TaughtName,
     View,
 )
 
@@ -63,6 +64,20 @@ class Ledger:
             "removed_sightings": sorted(self._gone_sightings),
             "removed_encounters": sorted(self._gone_encounters),
         }
+
+    def taught(self) -> dict[str, tuple[TaughtName, ...]]:
+        """Return the names that people gave, by object: the store's own word on them.
+
+        They may be taught while an ingest runs, by another process: what the tiers hold is older.
+        """
+        words = sorted({name.word for name in self._store.names()})
+        if not words:
+            return {}
+        return {record.object_id: record.names for record in self._store.objects(names=words)}
+
+    def has_name(self, object_id: str) -> bool:
+        """Say whether people gave the object a name, by now."""
+        return any(record.names for record in self._store.objects(ids=[object_id]))
 
     # writes
     def put_object(self, record: ObjectRecord) -> None:

@@ -7,6 +7,7 @@ entry is in the STM its records are volatile, so that a question sees them; tier
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -19,7 +20,7 @@ from d3a.model import Json
 from d3a.parameters import Parameters
 from d3a.sightings import Became, Event, Interval, Scene, Seen, entry_name
 from d3a.stm import Entry, ShortTermMemory
-from d3a.store.base import ObjectRecord, StayKey, StayRecord
+from d3a.store.base import ObjectRecord, StayKey, StayRecord, TaughtName
 from d3a.tier1 import Cluster, Member, SlidingWindow
 from d3a.tier2 import Filter
 from d3a.tier3 import DatabaseFilter, Stored, position_tuple
@@ -95,6 +96,9 @@ class PaperPipeline:
             for record in self._ledger.objects(ids=[shown]):
                 if record.volatile:
                     self._ledger.remove_object(shown)
+
+    def take_names(self, taught: Mapping[str, tuple[TaughtName, ...]]) -> None:
+        """Names change nothing: the paper's records are aggregated by their ids alone."""
 
     def write(self) -> None:
         """Put what changed in the STM into the ledger, as volatile records."""

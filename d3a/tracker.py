@@ -7,6 +7,7 @@ kept as tentative, and confirmed by its second sighting ever, however much later
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -26,7 +27,7 @@ from d3a.moves import Moves, apply_link
 from d3a.parameters import Parameters
 from d3a.recall import FIRST_NUMBER, Recall, is_histogram
 from d3a.sightings import Became, Event, FrameRef, Interval, Scene, Seen, entry_name
-from d3a.store.base import StayKey
+from d3a.store.base import StayKey, TaughtName
 from d3a.tier1 import Thing, things
 from d3a.tier3 import Stored
 
@@ -178,7 +179,7 @@ class TrackerPipeline:
             if likely:
                 self.write()
             same = never_together(thing, likely, self._ledger) if likely else None
-            if same is None:
+            if same is None or self._is_named(thing) or self._is_named(same):
                 still.append(thing)
             else:
                 was, becomes = merge(thing, same, self._memory, self._ledger, self._parameters)
@@ -190,9 +191,10 @@ class TrackerPipeline:
         """Drop tentative things that were not there in several looks that should show them."""
         parameters = self._parameters
         for thing in missed:
-            if thing.row < 0 or thing.seen >= parameters.confirm_sightings or thing.names:
+            if thing.row < 0 or thing.seen >= parameters.confirm_sightings:
                 continue
-            if all(place.misses >= parameters.expire_chances for place in thing.places):
+            missed_all = all(p.misses >= parameters.expire_chances for p in thing.places)
+            if missed_all and not self._is_named(thing):
                 self._encounters.forget(thing.object_id)
                 self._ledger.remove_object(thing.object_id)
                 name = entry_name((thing.object_id, thing.places[0].number))
@@ -201,11 +203,22 @@ class TrackerPipeline:
 
     def _link(self) -> None:
         for link in self._moves.find():
+            if self._is_named(link.new):
+                continue
             was = (link.new.object_id, link.new.places[0].number)
             self.write()
             became = apply_link(link, self._memory, self._ledger, self._parameters)
             self._encounters.rename(was, (link.old.object_id, link.old.places[-1].number))
             self._events.append(became)
+
+    def take_names(self, taught: Mapping[str, tuple[TaughtName, ...]]) -> None:
+        """Learn the names of objects, by id: what has a name is not made part of another."""
+        for thing in self._memory.things.values():
+            thing.names = taught.get(thing.object_id, ())
+
+    def _is_named(self, thing: Known) -> bool:
+        """Say whether a thing has a name, also since the last checkpoint."""
+        return bool(thing.names) or self._ledger.has_name(thing.object_id)
 
     def write(self) -> None:
         """Put what changed into the ledger, as ordinary records."""

@@ -3,17 +3,32 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from d3a.ingest import BACKWARDS, DUPLICATE, ingest
-from d3a.model import BadInput
-from d3a.parameters import DEFAULT, PAPER
+from d3a.model import BadInput, Detection, Frame, Pose
+from d3a.parameters import DEFAULT, PAPER, Parameters
 from d3a.preparation import BROKEN_DEPTH, BROKEN_PICTURE, OUTSIDE, WEAK
 from d3a.readers.opening import open_source
+from d3a.store.base import Batch, TaughtName
 from tests.worlds.oracle import OracleStore
-from tests.worlds.rounds import depth_png, detection_line, frame_line, jpeg, write_recording
+from tests.worlds.rounds import (
+    CAMERA,
+    FORWARD,
+    START_MS,
+    ListReader,
+    Thing,
+    colour,
+    depth_png,
+    detection_line,
+    frame_line,
+    jpeg,
+    rounds,
+    write_recording,
+)
 
 
 def pictured(folder: Path, count: int = 6) -> Path:
@@ -127,6 +142,55 @@ def test_a_zone_or_now_that_the_store_has_is_not_overwritten(tmp_path: Path) -> 
     ingest(open_source(other), store, DEFAULT)
     assert store.meta("zone") == "Europe/Berlin"
     assert len(store.recordings()) == 2
+
+
+def teach(store: OracleStore, word: str) -> str:
+    """Name the first object, as another process does; return its id."""
+    record = store.objects()[0]
+    store.apply(Batch(objects=[replace(record, names=(TaughtName(word, "me"),))]))
+    return record.object_id
+
+
+@pytest.mark.parametrize("parameters", [DEFAULT, PAPER], ids=["default", "paper"])
+@pytest.mark.parametrize("capacity", [1, 400])
+def test_a_name_taught_while_an_ingest_runs_is_kept(parameters: Parameters, capacity: int) -> None:
+    things = [Thing("cup", (0, 0, 0), 1), Thing("bowl", (0, 3, 0), 2), Thing("book", (3, 0, 0), 3)]
+    frames, store, named = rounds(things, 90), OracleStore(), []
+
+    def on_progress(done: int, _: int | None) -> None:
+        if done == 45:
+            named.append(teach(store, "mug"))
+
+    chosen = parameters.with_changes(checkpoint_frames=20, stm_capacity=capacity)
+    ingest(ListReader(frames), store, chosen, on_progress=on_progress)
+    (record,) = store.objects(names=["mug"])
+    assert record.object_id == named[0]
+    assert record.names == (TaughtName("mug", "me"),)
+    assert record.last_ms > frames[60].time_ms
+
+
+def test_what_got_a_name_does_not_expire() -> None:
+    ghost = Detection("cup", 0.4, (28, 20, 36, 28), embedding=colour(1))
+    pose, away = Pose((0.0, 0.0, 0.0), FORWARD), Pose((0.0, 9.0, 0.0), FORWARD)
+    frames = [
+        Frame(
+            f"f{n}", START_MS + n * 60_000, away if n % 2 else pose, CAMERA, None, depth_png(4.0),
+            () if n else (ghost,),
+        )
+        for n in range(40)
+    ]  # fmt: skip
+    expired, kept = OracleStore(), OracleStore()
+    often = DEFAULT.with_changes(checkpoint_frames=2)
+    near = replace(frames[0], depth=depth_png(2.0))
+    ingest(ListReader([near, *frames[1:]]), expired, often)
+
+    def on_progress(done: int, _: int | None) -> None:
+        if done == 3:
+            teach(kept, "ghost")
+
+    ingest(ListReader([near, *frames[1:]]), kept, often, on_progress=on_progress)
+    assert expired.objects() == []
+    assert [name.word for name in kept.names()] == ["ghost"]
 
 
 def rows_of(path: Path) -> list[dict[str, object]]:
