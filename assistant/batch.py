@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Iterator
+from contextlib import suppress
 from dataclasses import replace
-from datetime import datetime
+from datetime import UTC, datetime
 from typing import Any
 
 from assistant.asking import ask
@@ -40,6 +41,14 @@ def run(store: Store, lines: Iterable[str], *, now: datetime, limit: int = 50) -
             )
             continue
         yield replace(ask(store, text, now=moment, limit=limit), id=name)
+
+
+def failed(line: str, said: str) -> Answer:
+    """Return the record of a question that no store could be asked: `said` tells why."""
+    text, name = line.strip(), None
+    with suppress(LineError):
+        text, name, _ = _question(text, datetime.min.replace(tzinfo=UTC))
+    return Answer(text=text, id=name, status="error", answer=said, message=said)
 
 
 def _question(line: str, now: datetime) -> tuple[str, str | None, datetime]:

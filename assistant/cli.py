@@ -133,3 +133,7 @@ def main(context: click.Context) -> None:
         click.echo(context.get_help(), err=True)
         context.exit(ExitCode.USAGE)
     context.invoke(cast("click.Command", main.get_command(context, "chat")))
+
+
+if __name__ == "__main__":
+    main()

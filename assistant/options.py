@@ -29,8 +29,8 @@ class Failure(click.ClickException):
         self.exit_code = int(status)  # type: ignore[misc]  # click reads it from the instance
 
     def show(self, file: Any = None) -> None:
-        """Print the message to standard error."""
-        click.echo(f"d3a: {self.format_message()}", err=True)
+        """Print the message to `file`, or to standard error."""
+        click.echo(f"d3a: {self.format_message()}", file=file, err=file is None)
 
 
 def settings_options(function: _Function) -> _Function:

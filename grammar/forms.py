@@ -254,10 +254,12 @@ class FormalQuery:
 
 
 def _bounds(time: TimeSlice) -> str:
-    """Write a slice as the paper does: `1600 >= t >= 1300`."""
+    """Write a slice as the paper does, `1600 >= t >= 1300`; with dates where it takes two days."""
+    start, end = time.start, time.end
+    days = start is not None and end is not None and start.date() != end.date()
 
     def clock(moment: datetime) -> str:
-        return f"{moment:%H%M}"
+        return f"{moment:%Y-%m-%d %H%M}" if days else f"{moment:%H%M}"
 
     if time.start is None and time.end is None:
         return "t"

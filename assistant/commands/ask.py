@@ -55,26 +55,36 @@ def command(
     """
     settings = settings_of(context)
     from assistant.asking import ask
+    from assistant.batch import failed
 
     text = well_formed(" ".join(question))
-    with opened(settings) as store:
-        now = now_of(settings, store)
-        answer = ask(store, text, now=now, limit=limit, precision=precision)
-        if as_json:
-            click.echo(json_line(answer.to_json(), ascii_only=not speaks_unicode(sys.stdout)))
-        else:
-            from assistant.wording import answer_lines
+    try:
+        with opened(settings) as store:
+            now = now_of(settings, store)
+            answer = ask(store, text, now=now, limit=limit, precision=precision)
+            if as_json:
+                _print(answer)
+            else:
+                from assistant.wording import answer_lines
 
-            sentence, *rest = answer_lines(answer, now)
-            click.echo(click.style(clean_lines(sentence), bold=True))
-            for line in rest:
-                click.echo(line)
-        if save is not None:
-            _save(store, answer, save, quiet=settings.quiet)
+                sentence, *rest = answer_lines(answer, now)
+                click.echo(click.style(clean_lines(sentence), bold=True))
+                for line in rest:
+                    click.echo(line)
+            if save is not None:
+                _save(store, answer, save, quiet=settings.quiet)
+    except Failure as failure:
+        if as_json and failure.exit_code == ExitCode.STORE:
+            _print(failed(text, failure.format_message()))
+        raise
     status = OF_STATUS[answer.status]
     if status in (ExitCode.NOTHING, ExitCode.STORE) and not settings.quiet:
         click.echo(f"store: {store_name(settings)}", err=True)
     context.exit(status)
+
+
+def _print(answer: Answer) -> None:
+    click.echo(json_line(answer.to_json(), ascii_only=not speaks_unicode(sys.stdout)))
 
 
 def _save(store: Store, answer: Answer, folder: Path, *, quiet: bool) -> None:

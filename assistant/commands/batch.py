@@ -3,13 +3,22 @@
 from __future__ import annotations
 
 import sys
-from typing import IO
+from typing import IO, TYPE_CHECKING
 
 import click
 
 from assistant.exits import ExitCode
-from assistant.options import now_of, opened, settings_of, settings_options
+from assistant.options import (
+    Failure,
+    now_of,
+    opened,
+    settings_of,
+    settings_options,
+)
 from assistant.terminal import json_line, speaks_unicode
+
+if TYPE_CHECKING:
+    from d3a.answer import Answer
 
 
 @click.command("batch")
@@ -27,13 +36,26 @@ def command(context: click.Context, questions: IO[str], limit: int) -> None:
     status is 1 when the store failed on one.
     """
     settings = settings_of(context)
-    from assistant.batch import run
+    from assistant.batch import failed, run
 
-    failed = False
-    with opened(settings) as store:
-        now = now_of(settings, store)
-        ascii_only = not speaks_unicode(sys.stdout)
-        for answer in run(store, questions, now=now, limit=limit):
-            failed = failed or answer.status == "error"
-            click.echo(json_line(answer.to_json(), ascii_only=ascii_only))
-    context.exit(ExitCode.NOTHING if failed else ExitCode.OK)
+    ascii_only = not speaks_unicode(sys.stdout)
+    failed_any = False
+
+    def write(answer: Answer) -> None:
+        nonlocal failed_any
+        failed_any = failed_any or answer.status == "error"
+        click.echo(json_line(answer.to_json(), ascii_only=ascii_only))
+
+    try:
+        with opened(settings) as store:
+            for answer in run(store, questions, now=now_of(settings, store), limit=limit):
+                write(answer)
+    except Failure as failure:
+        if failure.exit_code != ExitCode.STORE:
+            raise
+        failure.show()
+        for line in questions:
+            if line.strip():
+                write(failed(line, failure.format_message()))
+        failed_any = True
+    context.exit(ExitCode.NOTHING if failed_any else ExitCode.OK)

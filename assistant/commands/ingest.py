@@ -108,14 +108,15 @@ def summary_lines(summary: IngestSummary) -> list[str]:
     """Return what an ingest did, for a person: what went in, what was left out, how fast."""
     lines = ["Nothing new: the recording is in the store already."] if summary.already else []
     lines += [
-        f"frames      {summary.frames}",
+        f"frames      {summary.frames}{_resumed(summary)}",
         f"detections  {summary.detections}",
         f"objects     {summary.objects}",
         f"places      {summary.places}",
         f"skipped     {sum(summary.skipped.counts.values())}",
     ]
     for reason, count in sorted(summary.skipped.counts.items()):
-        examples = ", ".join(summary.skipped.examples.get(reason, []))
+        named = summary.skipped.examples.get(reason, [])
+        examples = ", ".join(named) + (", …" if count > len(named) else "")
         lines.append(clean(f"  {count} x {reason}" + (f": {examples}" if examples else "")))
     seconds = sum(summary.seconds.values())
     if summary.frames and seconds > 0:
@@ -123,3 +124,9 @@ def summary_lines(summary: IngestSummary) -> list[str]:
         frames, detections = summary.frames / seconds, summary.detections / seconds
         lines.append(f"speed       {frames:.1f} frames/s, {detections:.1f} detections/s ({stages})")
     return lines
+
+
+def _resumed(summary: IngestSummary) -> str:
+    if summary.already or not summary.already_frames:
+        return ""
+    return f", after {summary.already_frames} that were there already"

@@ -83,7 +83,7 @@ def translated(uri: str) -> Iterator[None]:
             raise
         raise type(error)(f"{uri}: {error}") from error
     except ConnectionFailure as error:
-        said = str(error).split(", Timeout:")[0]
+        said = str(error).split(", Timeout:")[0].split(" (configured timeouts:")[0]
         raise StoreUnreachable(f"{uri}: no MongoDB server answers ({said})") from error
     except OperationFailure as error:
         if error.code in _AUTHENTICATION:

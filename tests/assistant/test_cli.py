@@ -357,7 +357,7 @@ def test_a_mongodb_that_does_not_answer_is_named_without_its_password(run: Run) 
     )
     for command in (("ask", "where are my keys"), ("objects",), ("batch",), ("chat", "--plain")):
         result = run(*command, "--store", uri, input="where are my keys\n")
-        assert result.exit_code == 3
+        assert result.exit_code == (1 if command == ("batch",) else 3)
         assert "robot:***@127.0.0.1:9" in result.stderr
         assert "s3cret" not in result.output
         assert "Traceback" not in result.output
@@ -549,3 +549,16 @@ def test_doctor_tells_what_is_wrong(run: Run, filled: str, tmp_path: Path) -> No
     broken = run("doctor", "--json", "--store", "text.db")
     assert broken.exit_code == 3
     assert "text.db" in records(broken)[0]["store"]["problem"]
+
+
+def test_a_failing_store_gives_a_record_a_question(run: Run, tmp_path: Path) -> None:
+    store = ("--store", f"sqlite:///{tmp_path / 'none.db'}")
+    asked = run("ask", "--json", "where is the cup", *store)
+    record = json.loads(asked.stdout)
+    assert (asked.exit_code, record["status"], record["text"]) == (3, "error", "where is the cup")
+    assert "none.db" in record["message"]
+    lines = 'where is the cup\n\n{"id": "b", "text": "where is the bowl"}\n'
+    asked = run("batch", "-", *store, input=lines)
+    answers = records(asked)
+    assert asked.exit_code == 1
+    assert [(r["id"], r["status"]) for r in answers] == [(None, "error"), ("b", "error")]
