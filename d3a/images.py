@@ -17,7 +17,6 @@ from d3a.model import BadInput, Box, Depth, Image
 
 Pixels = NDArray[np.uint8]
 HISTOGRAM_MODEL = "rgb-8x8x8"
-HISTOGRAM_DIM = 512
 MILLIMETRE_M = 0.001
 _MARKER = re.compile(rb"\xff[^\x00\xff\xd0-\xd7]")  # a JPEG marker but for stuffing and restarts
 _END, _SCAN = 0xD9, 0xDA

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from d3a.model import BadInput, Box, Json, Position
+from d3a.model import BadInput, Json, Position
 
 
 @dataclass(frozen=True, slots=True)
@@ -133,11 +133,6 @@ def read_truth(folder: Path) -> Truth:
         frames=len(times),
         span_ms=(min(times.values(), default=0), max(times.values(), default=0)),
     )
-
-
-def box_key(frame: str, box: Box) -> tuple[str, tuple[float, ...]]:
-    """Return what names a detection in a keyframe: its frame and its box to a tenth of a pixel."""
-    return frame, tuple(round(float(v), 1) for v in box)
 
 
 def _object(record: Mapping[str, Any]) -> TrueObject:

@@ -8,7 +8,6 @@ from assistant.home.model import Model, Part
 BEECH = "#c99a62"
 OAK = "#9a6a3a"
 WALNUT = "#6a4528"
-IVORY = "#efebe2"
 GRAPHITE = "#2b2c30"
 
 
@@ -246,14 +245,3 @@ def bench() -> Model:
         Part(joined([*legs, box(1.0, 0.34, 0.03).moved(z=0.12)]), OAK),
         Part(body(1.12, 0.4, 0.08, roundness=0.3).moved(z=0.38), "#7c8f7a"),
     )
-
-
-def cabinet(width: float) -> Model:
-    """Return wall cupboards, their lower edge on z = 0, with a door every 0.6 m."""
-    count = round(width / 0.6)
-    step = width / count
-    doors = [
-        box(step - 0.03, 0.02, 0.64).moved((n + 0.5) * step - width / 2, -0.17, 0.03)
-        for n in range(count)
-    ]
-    return (Part(box(width, 0.33, 0.7), "#b9bdb8"), Part(joined(doors), "#dfe3dc"))

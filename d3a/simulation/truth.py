@@ -5,11 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from d3a.model import Json
 from d3a.simulation.patrol import Track
-from d3a.simulation.sensor import Reports, in_view
+from d3a.simulation.sensor import in_view
 from d3a.simulation.solids import Floats, centred, visible
 from d3a.simulation.world import Stand, World
 
@@ -93,13 +92,3 @@ def _kinds(world: World, a: Stand, b: Stand) -> list[str]:
         elif category == "dining table" and first[2] < top - 0.04:
             kinds.append("under")
     return kinds
-
-
-def seen_by_stand(world: World, track: Track, reports: Reports) -> NDArray[np.intp]:
-    """Return the stay that each detection shows, -1 for a false positive, (d,)."""
-    out = np.full(len(reports.frame), -1)
-    times = track.times[reports.frame]
-    for k, stand in enumerate(world.stands):
-        here = (reports.thing == stand.thing) & (times >= stand.start_s) & (times <= stand.end_s)
-        out[here] = k
-    return out
