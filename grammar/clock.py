@@ -13,6 +13,7 @@ from grammar.days import TimeError
 from grammar.forms import TimeSlice
 from grammar.moment import Moment, Setting, before
 
+_DAYS = frozenset(("day", "week", "fortnight", "weekend", "month", "year", "decade"))
 AROUND = timedelta(minutes=30)
 
 
@@ -29,8 +30,14 @@ def resolve(said: tf.SpokenTime, now: datetime, month_first: bool | None) -> Tim
 
 def _resolved(said: tf.SpokenTime, setting: Setting) -> TimeSlice:
     if said.offset is not None:
-        start, end = Moment.of(said.pieces).span(setting)
+        moment = Moment.of(said.pieces)
+        start, end = moment.span(setting)
         anchor = start if said.offset_sign < 0 else end
+        units = {unit for _, unit in said.offset.amounts}
+        if moment.clock is None and start < end and units <= _DAYS:  # two days before christmas
+            return TimeSlice(
+                *(before(t, said.offset, setting, said.offset_sign) for t in (start, end))
+            )
         point = before(anchor, said.offset, setting, said.offset_sign)
         return TimeSlice(point, point)
     if not said.bounds:
@@ -54,7 +61,10 @@ def _bound(bound: tf.Bound, around: tf.Pieces, setting: Setting) -> TimeSlice:
         return TimeSlice(before(setting.now, bound.length, setting), setting.now)
     if bound.kind == "between":
         return _between(bound.sides[0], bound.sides[1], around, setting)
-    moment = Moment.of(bound.sides[0]).completed(Moment.of(around))
+    context = Moment.of(around)
+    moment = Moment.of(bound.sides[0]).completed(context)
+    if moment.clock is None and moment.dated:
+        moment = replace(moment, clock=context.clock)  # at 2 pm since monday
     start, end = moment.span(setting)
     match bound.kind:
         case "since":
@@ -72,8 +82,9 @@ def _bound(bound: tf.Bound, around: tf.Pieces, setting: Setting) -> TimeSlice:
 
 def _between(first: tf.Pieces, second: tf.Pieces, around: tf.Pieces, setting: Setting) -> TimeSlice:
     """Resolve both sides of an interval, each lending the other what it left out."""
-    a, b = _dates_from_numbers(Moment.of(first), Moment.of(second))
     context = Moment.of(around)
+    a, b = _dates_from_numbers(Moment.of(first), Moment.of(second))
+    a, b, context = _days_of_month(a, b, context)
     if a.clock and b.clock and not b.dated and not a.dated:
         a, b = a.completed(context), b
         if b.part is None and a.part is None and context.part is not None:
@@ -108,6 +119,21 @@ def _dates_from_numbers(a: Moment, b: Moment) -> tuple[Moment, Moment]:
     if b.clock and b.clock.bare and not b.days and _has_day(a) and a.clock is None:
         b = replace(b, clock=None, days=(tf.Date(None, None, b.clock.hour),))
     return a, b
+
+
+def _days_of_month(a: Moment, b: Moment, context: Moment) -> tuple[Moment, Moment, Moment]:
+    """Read two bare numbers beside a month as its days: `in november between 19 and 20`."""
+    month = context.days[0] if len(context.days) == 1 else None
+    if not isinstance(month, tf.Date) or month.month is None or month.day is not None:
+        return a, b, context
+    if a.dated or b.dated or not (a.clock and a.clock.bare and b.clock and b.clock.bare):
+        return a, b, context
+    sides = [
+        replace(side, clock=None, days=(replace(month, day=side.clock.hour),))
+        for side in (a, b)
+        if side.clock is not None
+    ]
+    return sides[0], sides[1], replace(context, days=())
 
 
 def _has_day(moment: Moment) -> bool:

@@ -97,6 +97,10 @@ def _single(day: tf.Day, ref: Reference) -> DaySpan:
             return _season(day, ref)
         case tf.Decade():
             return date(day.year, 1, 1), date(day.year + 10, 1, 1)
+        case tf.Nth(unit="quarter" | "half"):
+            span = _nth(day, _calendar(tf.Calendar("year", 0), ref.today))
+            future = span[0] > ref.today
+            return _nth(day, _calendar(tf.Calendar("year", 1), ref.today)) if future else span
         case tf.Nth():
             return _nth(day, _calendar(tf.Calendar("month", 0), ref.today))
 
@@ -233,6 +237,10 @@ def _calendar(said: tf.Calendar, today: date) -> DaySpan:
         case "month":
             start = _months_on(today.replace(day=1), -said.back)
             return start, _months_on(start, 1)
+        case "quarter":
+            first = today.replace(month=(today.month - 1) // 3 * 3 + 1, day=1)
+            start = _months_on(first, -3 * said.back)
+            return start, _months_on(start, 3)
         case "year":
             return date(today.year - said.back, 1, 1), date(today.year - said.back + 1, 1, 1)
         case "decade":
@@ -240,6 +248,14 @@ def _calendar(said: tf.Calendar, today: date) -> DaySpan:
             return start, date(start.year + 10, 1, 1)
         case _:
             return _one(today - timedelta(days=said.back))
+
+
+def holding(day: date, unit: str) -> DaySpan:
+    """Return the week from Monday, or the weekend, that holds `day` or comes next to it."""
+    monday = day - timedelta(days=day.weekday())
+    if unit == "weekend":
+        return monday + timedelta(days=5), monday + timedelta(days=7)
+    return monday, monday + timedelta(days=7)
 
 
 def edged(span: DaySpan, edge: tf.EdgeName | None) -> DaySpan:
@@ -341,8 +357,12 @@ def _nth(said: tf.Nth, span: DaySpan) -> DaySpan:
         return _one(hits[index])
     length = {"week": 7, "day": 1}.get(said.unit)
     if length is None:
-        first = _months_on(start, said.number - 1 if said.number > 0 else 12 + said.number)
-        return first, _months_on(first, 1)
+        months = {"quarter": 3, "half": 6}.get(said.unit, 1)
+        number = said.number - 1 if said.number > 0 else 12 // months + said.number
+        first = _months_on(start, number * months)
+        if not 0 <= number < 12 // months:
+            raise TimeError("there is no such part of the year")
+        return first, _months_on(first, months)
     if said.number < 0:
         return end - timedelta(days=length), end
     first = start + timedelta(days=length * (said.number - 1))

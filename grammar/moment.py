@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from datetime import UTC, date, datetime, time, timedelta
 
 from grammar import timeforms as tf
-from grammar.days import DaySpan, Reference, TimeError, edged, months_on, span_of
+from grammar.days import DaySpan, Reference, TimeError, edged, holding, months_on, span_of
 
 DAY_ENDS_AT = 4
 """Until this hour, `this morning` and `tonight` still are those of the day before."""
@@ -39,6 +39,8 @@ _PART_OF_DAY: dict[str, tuple[str, int]] = {
     "this afternoon": ("afternoon", 0),
     "this evening": ("evening", 0),
 }
+_WITHIN = {"tonight": ("evening", "night"), "night": ("tonight",)}
+"""Parts of the day that lie within another one."""
 _SECONDS = {"second": 1, "minute": 60, "hour": 3600, "day": 86400, "week": 604800,
             "fortnight": 1209600, "weekend": 604800}  # fmt: skip
 Span = tuple[datetime, datetime]
@@ -100,6 +102,7 @@ class Moment:
     ago: tf.Ago | None = None
     edge: tf.EdgeName | None = None
     now: bool = False
+    whole: str | None = None
 
     @classmethod
     def of(cls, pieces: tf.Pieces) -> Moment:
@@ -109,10 +112,10 @@ class Moment:
             match piece:
                 case tf.Clock():
                     moment = moment.with_clock(piece)
-                case tf.Part():
-                    moment = replace(moment, part=piece)
-                case tf.PartDay():
-                    moment = replace(moment, part_day=piece)
+                case tf.Part() | tf.PartDay():
+                    moment = moment.with_part(piece)
+                case tf.Whole():
+                    moment = replace(moment, whole=piece.unit)
                 case tf.Ago():
                     moment = moment.with_ago(piece)
                 case tf.Edge():
@@ -124,6 +127,15 @@ class Moment:
                 case _:
                     moment = replace(moment, days=(*moment.days, piece))
         return moment
+
+    def with_part(self, part: tf.Part | tf.PartDay) -> Moment:
+        """Add a part of the day; a second one that says something else is an error."""
+        said = self.part if isinstance(part, tf.Part) else self.part_day
+        if said is not None and said != part:
+            raise TimeError("it names two parts of the day")
+        if isinstance(part, tf.Part):
+            return replace(self, part=part)
+        return replace(self, part_day=part)
 
     def with_clock(self, clock: tf.Clock) -> Moment:
         """Add a clock time; a second one that says something else is an error."""
@@ -167,7 +179,7 @@ class Moment:
         if self.ago is not None:
             return self._ago_span(setting, self.ago)
         if self.clock is not None:
-            point = self._point(setting, self.clock, after)
+            point = self._point(setting, self.clock, after) + timedelta(seconds=self.clock.second)
             return point, point
         return self._period(setting, after)
 
@@ -193,7 +205,8 @@ class Moment:
         if not self.days:
             return None
         ref = Reference(setting.now.date(), after.date() if after else None, setting.month_first)
-        return span_of(self.days, ref)
+        span = span_of(self.days, ref)
+        return span if self.whole is None else holding(span[0], self.whole)
 
     def part_name(self) -> str | None:
         """Return the part of the day that is named, None where none is."""
@@ -205,6 +218,10 @@ class Moment:
         """Return the span of days, or of a part of them."""
         span = self._day_span(setting, after)
         part = self.part_name()
+        if self.part is not None and self.part_day is not None:
+            named = _PART_OF_DAY[self.part_day.name][0]
+            if part not in (named, *_WITHIN.get(named, ())):
+                raise TimeError("it names two parts of the day")
         if part is None:
             if span is None:
                 raise TimeError("it names no time")

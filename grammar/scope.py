@@ -10,6 +10,7 @@ from dataclasses import replace
 from functools import lru_cache
 
 from grammar import speech
+from grammar import timewords as tw
 from grammar.closed import is_open, words_of
 from grammar.cursor import DETERMINERS, OWNERS, PRONOUNS, TIME_GAP, Tagged
 from grammar.errors import NotUnderstood, OutOfScope, QuestionError
@@ -224,6 +225,7 @@ def _usable(texts: list[str]) -> bool:
 def refuse_late(text: str, found: FormalQuery, rest: list[Word], lexicon: Lexicon) -> None:
     """Raise OutOfScope for a query whose head noun is no thing: `what is the weather`."""
     lists = _lists()
+    _refuse_leftover_time(text, found, rest, lexicon)
     for i, term in enumerate(found.objects):
         if term.category in lexicon.places or term.category == ANYTHING:
             continue
@@ -252,6 +254,27 @@ def refuse_late(text: str, found: FormalQuery, rest: list[Word], lexicon: Lexico
         raise _out(text, rest[0], "It remembers things, not the doings of people", rest, lexicon)
     if first is not None and (first.category in lexicon.names or first.category in KIN):
         raise _out(text, rest[-1], "It remembers things, not the doings of people", rest, lexicon)
+
+
+_TIMES = frozenset((*tw.UNITS, *tw.PARTS, *tw.WEEKDAYS, *tw.MONTHS)) - tw.SHY
+_CLOCK_WORDS = words_of("am pm oclock o'clock ago yesterday today tonight")
+
+
+def _refuse_leftover_time(
+    text: str, found: FormalQuery, rest: list[Word], lexicon: Lexicon
+) -> None:
+    """Raise NotUnderstood for a word of time that no time took in: it must not go unheard."""
+    terms = list(found.objects)
+    for term in terms:
+        if term.where is not None:
+            terms.append(term.where.object)
+    for i, term in enumerate(terms):
+        head = term.word.rpartition(" ")[2]
+        timed = head in _CLOCK_WORDS or (i > 0 and head in _TIMES)
+        if timed and term.word not in lexicon.nouns:
+            word = next((w for w in rest if w.text.startswith(head)), rest[-1])
+            reason = f"I could not place “{text[word.start : word.end]}” in a time."
+            raise NotUnderstood(text, word.start, reason, suggestions(rest, lexicon))
 
 
 def _attending(found: FormalQuery, rest: list[Word]) -> bool:

@@ -25,13 +25,23 @@ def sentences(words: list[Word]) -> list[list[Word]]:
     """Cut the words at full stops and question marks; the dot of `oct.` is no full stop."""
     found: list[list[Word]] = [[]]
     for i, word in enumerate(words):
-        if word.text == "." and i and words[i - 1].text in _ABBREVIATIONS:
+        if word.text == "." and i and _dotted(words, i):
             continue
         if word.text in _ENDS:
             found.append([])
         elif word.text != ":":
             found[-1].append(word)
     return [part for sentence in found if sentence for part in _parted(sentence)]
+
+
+def _dotted(words: list[Word], i: int) -> bool:
+    """Whether the dot at `i` belongs to a date: `oct.`, `october. 2`, `16. nov`."""
+    before = words[i - 1].text
+    after = words[i + 1].text if i + 1 < len(words) else ""
+    if before in _ABBREVIATIONS:
+        return True
+    month_and_day = before in tw.MONTH_NUMBER and after[:1].isdecimal()
+    return month_and_day or (before.isdecimal() and after in tw.MONTH_NUMBER)
 
 
 def _parted(words: list[Word]) -> list[list[Word]]:

@@ -309,6 +309,10 @@ class Tagger(VerbTagger):
         if text in DETERMINERS:
             self._emit("DET", text, 1)
             return True
+        numbered = text[:1].isdecimal() and text[-2:] in ("st", "nd", "rd", "th")
+        if numbered and self._open_at(self.i + 1):
+            self.i += 1  # the 1st drawer: which one is no business of a camera
+            return True
         if text in ("one", "ones") and not self._open_at(self.i + 1):
             self._emit("ONE", text, 1)
             return True
@@ -316,6 +320,21 @@ class Tagger(VerbTagger):
         if number is not None:
             self._emit("NUMBER", number[0], number[1])
             return True
+        if self._side(text):
+            return True
+        if self.i + 1 == len(self.words) and self._stranded(text):
+            return True
+        if not is_open(text):
+            return False
+        if self._happening(text):
+            return False
+        for what, first, last in self.reader.read(self.words, self.i):
+            self.i = first
+            self._emit("NOUN" if isinstance(what, Noun) else "ATTR", what, last - first)
+        return True
+
+    def _side(self, text: str) -> bool:
+        """Read a preposition or side that is none here: the left shelf, gone from, left at."""
         if text in ("left", "right") and self._last() in ("DET", "OWNER", "ATTR"):
             self._emit("ATTR", Attribute(text, "other"), 1)
             return True
@@ -330,13 +349,4 @@ class Tagger(VerbTagger):
         if text in ("above", "below") and self._last() == "DET" and self._open_at(self.i + 1):
             self._emit("ATTR", Attribute(text, "other"), 1)
             return True
-        if self.i + 1 == len(self.words) and self._stranded(text):
-            return True
-        if not is_open(text):
-            return False
-        if self._happening(text):
-            return False
-        for what, first, last in self.reader.read(self.words, self.i):
-            self.i = first
-            self._emit("NOUN" if isinstance(what, Noun) else "ATTR", what, last - first)
-        return True
+        return False

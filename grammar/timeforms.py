@@ -16,6 +16,13 @@ class Edge:
 
 
 @dataclass(frozen=True, slots=True)
+class Whole:
+    """The week or weekend that holds the day named with it."""
+
+    unit: str
+
+
+@dataclass(frozen=True, slots=True)
 class Clock:
     """A time of day. meridiem: am or pm as said. exact: a 24-hour time, read as it stands.
 
@@ -27,6 +34,7 @@ class Clock:
     meridiem: str | None = None
     exact: bool = False
     bare: bool = False
+    second: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -147,7 +155,7 @@ class Stamp:
 
 
 Day: TypeAlias = Days | Weekday | Date | Calendar | Weekend | Nth | Holiday | Season | Decade
-Piece: TypeAlias = Day | Clock | Ago | Edge | Part | PartDay | Now | Stamp
+Piece: TypeAlias = Day | Clock | Ago | Edge | Whole | Part | PartDay | Now | Stamp
 Pieces: TypeAlias = tuple[Piece, ...]
 
 

@@ -17,6 +17,7 @@ _LEADS_PART = words_of(
     "the at in this last early late by yesterday that of on all during evening every"
 )
 _LEADS_THE_PART = words_of("in during since of through at before after until all for over")
+_LEADS_SEASON = words_of("the in last this since during past previous")
 _BEFORE_PART = words_of(
     "WEEKDAY DAYS DATE DAY_AFTER MONTH_OF MERIDIEM HOUR MINUTE ORD EDGE _AGO HOLIDAY YEAR_OF "
     "_OCLOCK _AND _TO"
@@ -109,11 +110,38 @@ class _Reader(NumberReader):
                 continue
             if kind == "EDGE" and not self._edges(length):
                 continue
+            if kind == "_ONWARD" and not self._opens_only(length):
+                continue
+            if kind in ("_DAY_EARLIER", "_DAY_LATER", "WHOLE") and (
+                self._is("NTH", "_LAST", "COUNT") or not self._dated_at(length)
+            ):
+                continue
             return self._retyped(kind, value, length)
         if self.word in ("oh", "o") and self._is("HOUR"):
             unit = numbers.CARDINALS.get(self._at(1), 10)
             return self._make("MINUTE", unit, 2) if unit < 10 else None
         return None
+
+    def _opens_only(self, length: int) -> bool:
+        """Whether `on` ends what `from` began: from monday on."""
+        following = self._at(length)
+        timely = self._time_word(following) or following[:1].isdecimal() or following == "the"
+        named = not (self.previous is None or self.previous.type.startswith("_"))
+        return named and not timely and self._open("_FROM", "_TO")
+
+    def _dated_at(self, k: int) -> bool:
+        """Whether a date stands at `k`: the week of the 15th, of may 3."""
+        while self._at(k) in ("the", "of"):
+            k += 1
+        return (
+            self._at(k)[:1].isdecimal()
+            or self._at(k) in tw.MONTH_NUMBER
+            or bool(self._at(k) and numbers.ordinal(self.words, self.i + k))
+            or self._at(k) in tw.WEEKDAY_NUMBER
+            or any(
+                " ".join(self.words[self.i + k : self.i + k + n]) in tw.HOLIDAYS for n in (1, 2, 3)
+            )
+        )
 
     def _edges(self, length: int) -> bool:
         following = self._at(length)
@@ -139,9 +167,21 @@ class _Reader(NumberReader):
             return self._make("LINK", "and", length) if joins and self._is("UNIT") else None
         if kind == "_UNTIL" and self._open("_FROM", "_TO"):
             return self._make("_TO", 0, length)
+        if kind == "_TO" and self._open("_BETWEEN", "_AND"):
+            return self._make("_AND", 0, length)
+        if kind == "_TO" and self.word == "-" and self._joins_clock(length):
+            return self._make("LINK", "-", length)
         if kind == "_TO" and not (self.previous and self.previous.type != "LINK"):
             return None
         return self._make(kind, value, length)
+
+    def _joins_clock(self, k: int) -> bool:
+        """Whether a dash only parts a date from its clock time: 6 jan 2017 - 6:37 am."""
+        dated = self._is("YEAR_OF", "DATE", "DAY_AFTER", "MONTH_OF", "DAYS", "WEEKDAY")
+        if not dated or self._open("_FROM", "_TO"):
+            return False
+        following = self._at(k)
+        return ":" in following or (following.isdecimal() and self._meridiem_at(k + 1))
 
     def _counted(self) -> bool:
         return (
@@ -158,6 +198,10 @@ class _Reader(NumberReader):
 
     def _name(self) -> TimeToken | None:
         word = self.word
+        if word in ("quarter", "half") and self._is("NTH"):
+            return self._make("UNIT", word, 1)
+        if word == "quarter" and self._is("_LAST", "_THIS"):
+            return self._make("UNIT", word, 1)
         if word in tw.UNITS and (self._is("COUNT", "_LASTN", "_LAST", "_LASTN1", "_THIS", "NTH")):
             if word == "night" and self._is("_LAST", "_THIS"):
                 return self._make("PART", "night", 1)
@@ -180,20 +224,8 @@ class _Reader(NumberReader):
             return self._make("WEEKDAY", tw.WEEKDAY_NUMBER[stem], 1)
         if word in tw.MONTH_NUMBER:
             return self._month(word)
-        if word in tw.SEASONS and self._at(-1) in (
-            "the",
-            "in",
-            "last",
-            "this",
-            "since",
-            "during",
-            "past",
-            "previous",
-        ):
-            following = self._at(1)
-            if is_open(following):
-                return None
-            return self._make("SEASON", tw.SEASONS[word], 1)
+        if word in tw.SEASONS and self._at(-1) in _LEADS_SEASON:
+            return None if is_open(self._at(1)) else self._make("SEASON", tw.SEASONS[word], 1)
         if (match := _DECADE.match(word)) and self._at(-1) == "the":
             return self._make("DECADE", int(match[1]), 1)
         return None
@@ -224,9 +256,7 @@ class _Reader(NumberReader):
     def _month(self, word: str) -> TimeToken | None:
         day_before = self._is("DAY_BEFORE")
         following = self._at(1) if self._at(1) != "the" else self._at(2)
-        day_follows = bool(following) and (
-            self._day_at(1 if self._at(1) != "the" else 2) and not following.startswith("19")
-        )
+        day_follows = bool(following) and (self._day_at(1 if self._at(1) != "the" else 2))
         if day_before or day_follows:
             return self._make("MONTH_OF", tw.MONTH_NUMBER[word], 1)
         if word in tw.SHY and not self._timely():

@@ -9,10 +9,11 @@ from grammar import numbers
 from grammar import timewords as tw
 from grammar.closed import is_open
 
-_ISO = re.compile(r"(\d{4})[-/.](\d{1,2})[-/.](\d{1,2})(?:t(\d{1,2}):(\d{2})(?::\d{2})?)?$")
+_ISO = re.compile(r"(\d{4})[-/.](\d{1,2})[-/.](\d{1,2})(?:t(\d{1,2}):(\d{2})(?::(\d{2}))?)?$")
 _SLASHED = re.compile(r"(\d{1,2})[-/.](\d{1,2})(?:[-/.](\d{4}|\d{2}))?$")
 _NAMED = re.compile(r"(\d{1,2})-([a-z]{3,9})-(\d{2,4})$")
-_CLOCK = re.compile(r"(\d{1,2})[:.](\d{2})(?::\d{2})?$")
+_CLOCK = re.compile(r"(\d{1,2})[:.](\d{2})(?::(\d{2}))?$")
+_MONTH = re.compile(r"(\d{4})[-/](\d{1,2})$|(\d{1,2})/(\d{4})$")
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,9 +48,9 @@ class NumberReader:
 
     def _written(self) -> TimeToken | None:
         if match := _ISO.match(self.word):
-            year, month, day, hour, minute = (int(g) if g else None for g in match.groups())
+            year, month, day, hour, minute, second = (int(g) if g else None for g in match.groups())
             if hour is not None:
-                return self._make("STAMP", (year, month, day, hour, minute), 1)
+                return self._make("STAMP", (year, month, day, hour, minute, second or 0), 1)
             return self._make("DATE", ("ymd", year, month, day), 1)
         if match := _NAMED.match(self.word):
             month = tw.MONTH_NUMBER.get(match[2])
@@ -60,11 +61,30 @@ class NumberReader:
             )
         if (match := _CLOCK.match(self.word)) and int(match[1]) <= 24 and int(match[2]) < 60:
             exact = len(match[1]) == 2 and match[1][0] == "0"
-            return self._make("HHMM", (int(match[1]), int(match[2]), exact), 1)
+            second = int(match[3] or 0)
+            return self._make("HHMM", (int(match[1]), int(match[2]), exact, second), 1)
+        if match := _MONTH.match(self.word):
+            year, month = int(match[1] or match[4]), int(match[2] or match[3])
+            return self._make("DATE", ("ymd", year, month, None), 1) if 1 <= month <= 12 else None
         if match := _SLASHED.match(self.word):
             year = _year(match[3]) if match[3] else None
             return self._make("DATE", ("slashed", year, int(match[1]), int(match[2])), 1)
-        return None
+        return self._dashed()
+
+    def _dashed(self) -> TimeToken | None:
+        """Read 4-22 as a date where a day is due: on 4-22; elsewhere it is a range."""
+        second = self._at(2)
+        if self._at(-1) != "on" or self._at(1) != "-" or self._at(3) in tw.MONTH_NUMBER:
+            return None
+        if not (self.word.isdecimal() and second.isdecimal()) or self._meridiem_at(3):
+            return None
+        first, last = int(self.word), int(second)
+        fits = 1 <= min(first, last) <= 12 and max(first, last) <= 31
+        return self._make("DATE", ("slashed", None, first, last), 3) if fits else None
+
+    def _meridiem_at(self, k: int) -> bool:
+        compact = self._at(k).replace(".", "").replace(" ", "")
+        return compact in ("am", "pm") or (compact in ("a", "p") and self._at(k + 1) == "m")
 
     def _meridiem(self) -> TimeToken | None:
         """a.m., p m, am; and "in the morning" after a clock stays a part of the day."""
@@ -88,8 +108,11 @@ class NumberReader:
                 return self._make("_CTO", 0, 1)
         skip = 1 if self.word in ("a", "the") else 0
         word = self._at(skip)
+        exact = False
         if word in ("quarter", "half"):
             count, value = 1, 15 if word == "quarter" else 30
+        elif word in ("three", "3") and self._at(skip + 1) in ("quarters", "quarter"):
+            count, value = 2, 45
         else:
             number = numbers.cardinal(self.words, self.i + skip) if word else None
             if number is None or not 0 < number[0] < 60 or skip or self._is("MONTH_OF"):
@@ -97,13 +120,13 @@ class NumberReader:
             value, count = number
         count += skip
         if self._at(count) in ("minutes", "minute", "mins", "min"):
-            count += 1
-        return self._minutes(value, count) if self._turns(count, value) else None
+            count, exact = count + 1, True
+        return self._minutes(value, count) if self._turns(count, value, exact=exact) else None
 
     def _minutes(self, value: int, count: int) -> TimeToken:
         return self._make("CMIN", value, count)
 
-    def _turns(self, count: int, value: int) -> bool:
+    def _turns(self, count: int, value: int, *, exact: bool) -> bool:
         """Whether `past` or `to` at `count`, and an hour after it, make these minutes."""
         turn, hour = self._at(count), self._at(count + 1)
         if turn not in ("past", "to", "after", "before", "till", "til", "of"):
@@ -122,7 +145,7 @@ class NumberReader:
             rest = self.words[self.i + count + 2 :]
             return value == 15 or any(w in ("to", "until", "till") for w in rest)
         after = self._at(count + 1 + (number[1] if number else 1))
-        return value % 5 == 0 or after not in ("am", "pm", "a", "p")
+        return exact or value % 5 == 0 or after not in ("am", "pm", "a", "p")
 
     # -- numbers -----------------------------------------------------------------------------
 
@@ -183,11 +206,23 @@ class NumberReader:
             count + 1
         ) in ("of", "in"):
             return self._make("NTH", value, count)
+        if following in ("quarter", "half") and self._year_at(count + 1):
+            return self._make("NTH", value, count)
         if self._is("MONTH_OF"):
             return self._make("DAY_AFTER", value, count)
-        if self._at(-1) != "the" and not self._is("WEEKDAY", "_AND", "_TO"):
+        leads = self._at(-1) in tw.LEADS_DAY and self.word[:1].isdecimal()
+        if self._at(-1) != "the" and not leads and not self._is("WEEKDAY", "_AND", "_TO"):
             return None
         return None if self._noun(following) else self._make("ORD", value, count)
+
+    def _year_at(self, k: int) -> bool:
+        """Whether a year or `of last year` stands at `k`, or nothing goes on: the first quarter."""
+        while self._at(k) in ("of", "in", "the", "year"):
+            k += 1
+        if self._at(k) in ("last", "this", ""):
+            return True
+        after = type(self)(self.words, self.i + k, self.before)
+        return bool(after._year_value()[0])
 
     def _noun(self, word: str) -> bool:
         """Whether a word may go on a noun phrase: open, and no word of time."""
@@ -230,12 +265,24 @@ class NumberReader:
     def _day_number(self, value: int, count: int) -> TimeToken | None:
         if not 1 <= value <= 31:
             return None
-        following = self._at(count) if self._at(count) != "of" else self._at(count + 1)
+        skip = 1 if self._at(count) == "of" else 0
+        following = self._at(count + skip)
         if following in tw.MONTH_NUMBER:
-            return self._make("DAY_BEFORE", value, count)
-        if self._is("MONTH_OF"):
+            day_after = skip and self._day_only(count + 2)  # from 5 to 6 of april 22
+            return None if day_after else self._make("DAY_BEFORE", value, count)
+        if self._is("MONTH_OF") and not self._dated_month() and not self._meridiem_at(count):
             return self._make("DAY_AFTER", value, count)
         return None
+
+    def _day_only(self, k: int) -> bool:
+        """Whether a day of the month, and no year, stands at `k`."""
+        number = numbers.cardinal(self.words, self.i + k) if self._at(k) else None
+        return number is not None and 1 <= number[0] <= 31
+
+    def _dated_month(self) -> bool:
+        """Whether the month before has its day already: `3 november at 2`."""
+        kept = [t for t in self.before if t is None or t.type != "LINK"]
+        return len(kept) > 1 and kept[-2] is not None and kept[-2].type == "DAY_BEFORE"
 
     def _count(self, value: int, count: int) -> TimeToken | None:
         following = self._at(count)
@@ -254,9 +301,13 @@ class NumberReader:
         return None
 
     def _minute(self, value: int, count: int) -> TimeToken | None:
-        if self._is("HOUR") and value < 60 and (value >= 10 or len(self.word) == 2):
+        if not self._is("HOUR") or value >= 60:
+            return None
+        if value >= 10 or len(self.word) == 2:
             return self._make("MINUTE", value, count)
-        return None
+        spoken = not self.word.isdecimal() and not self.words[self.i - 1].isdecimal()
+        alone = not self._noun(self._at(count)) and self._at(count) not in tw.UNITS
+        return self._make("MINUTE", value, count) if spoken and alone and value else None
 
     def _hour(self, value: int, count: int) -> TimeToken | None:
         following = self._at(count)
@@ -267,15 +318,14 @@ class NumberReader:
         if value >= 100:
             clock = value % 100 < 60 and value < 2400 and (previous == "at" or following == "hours")
             if clock:
-                return self._make(
-                    "HHMM", (value // 100, value % 100, True), count + (following == "hours")
-                )
+                digits = (value // 100, value % 100, True, 0)
+                return self._make("HHMM", digits, count + (following == "hours"))
             return None
         if value > 24:
             return None
         if following == "hundred":
             whole = count + 1 + (self._at(count + 1) in ("hours", "hour"))
-            return self._make("HHMM", (value, 0, True), whole)
+            return self._make("HHMM", (value, 0, True, 0), whole)
         second = numbers.cardinal(self.words, self.i + count) if following else None
         two = second is not None and second[0] < 60
         compact = following.replace(".", "").replace(" ", "")

@@ -28,6 +28,7 @@ from grammar.timeforms import (
     Stamp,
     Weekday,
     Weekend,
+    Whole,
 )
 
 
@@ -58,6 +59,14 @@ class TimeForms(Transformer[Token, Any]):
         """start: duration _LATER_THAN piece+."""
         return SpokenTime(pieces, (), length, 1)
 
+    def day_ahead(self, *pieces: Piece) -> SpokenTime:
+        """start: _DAY_EARLIER piece+."""
+        return SpokenTime(pieces, (), Length(((1, "day"),)), -1)
+
+    def day_behind(self, *pieces: Piece) -> SpokenTime:
+        """start: _DAY_LATER piece+."""
+        return SpokenTime(pieces, (), Length(((1, "day"),)), 1)
+
     def side(self, *pieces: Piece) -> Pieces:
         """side: piece+."""
         return pieces
@@ -65,6 +74,10 @@ class TimeForms(Transformer[Token, Any]):
     def between(self, first: Pieces, second: Pieces) -> Bound:
         """bound: _BETWEEN side _AND side | _FROM side _TO side."""
         return Bound("between", (first, second))
+
+    def onward(self, pieces: Pieces) -> Bound:
+        """bound: _FROM side _ONWARD."""
+        return Bound("since", (pieces,))
 
     def since(self, *pieces: Piece) -> Bound:
         """bound: _SINCE piece+."""
@@ -106,6 +119,10 @@ class TimeForms(Transformer[Token, Any]):
         """piece: EDGE."""
         return Edge(token.value)
 
+    def whole(self, token: Token) -> Whole:
+        """piece: WHOLE."""
+        return Whole(str(token))
+
     def part(self, token: Token) -> Part:
         """piece: PART."""
         return Part(str(token))
@@ -120,8 +137,8 @@ class TimeForms(Transformer[Token, Any]):
 
     def stamp(self, token: Token) -> Stamp:
         """piece: STAMP."""
-        year, month, day, hour, minute = token.value
-        return Stamp(Date(year, month, day), Clock(hour, minute, exact=True))
+        year, month, day, hour, minute, second = token.value
+        return Stamp(Date(year, month, day), Clock(hour, minute, exact=True, second=second))
 
     def clock(self, hour: Token, *rest: Token) -> Clock:
         """clock: HOUR MINUTE? _OCLOCK? MERIDIEM?."""
@@ -131,9 +148,10 @@ class TimeForms(Transformer[Token, Any]):
 
     def digital(self, time: Token, *rest: Token) -> Clock:
         """clock: HHMM MERIDIEM?."""
-        hour, minute, exact = time.value
+        hour, minute, exact, second = time.value
         meridiem = _meridiem(rest)
-        return Clock(hour, minute, meridiem, (exact and not meridiem) or hour > 12 or hour == 0)
+        exact = (exact and not meridiem) or hour > 12 or hour == 0
+        return Clock(hour, minute, meridiem, exact, second=second)
 
     def past_hour(self, minutes: Token, hour: Token, *rest: Token) -> Clock:
         """clock: CMIN _CPAST HOUR."""

@@ -73,6 +73,7 @@ LINKS = words_of(
     "at on in of the during within throughout for whole entire , exactly precisely sharp "
     "promptly sometime over"
 )
+LEADS_DAY = words_of("on since until till before after by from")
 INTRODUCES_HOUR = words_of(
     "at by before after since until till til between from to and around about than - "
     "through approximately roughly past exactly"
@@ -130,6 +131,16 @@ PHRASES: dict[str, tuple[str, object]] = {
     "past": ("_AFTER", 0),
     "following": ("_AFTER", 0),
     "no earlier than": ("_SINCE", 0),
+    **dict.fromkeys(("on or after", "at or after", "after or on", "from or after"), ("_SINCE", 0)),
+    **dict.fromkeys(("on or before", "at or before", "before or on"), ("_UNTIL", 0)),
+    **dict.fromkeys(
+        ("on", "onward", "onwards", "forward", "and after", "and later", "and on"), ("_ONWARD", 0)
+    ),
+    **dict.fromkeys(("day before", "the day before"), ("_DAY_EARLIER", 0)),
+    **dict.fromkeys(("day after", "the day after"), ("_DAY_LATER", 0)),
+    **dict.fromkeys(("week of", "the week of"), ("WHOLE", "week")),
+    **dict.fromkeys(("weekend of", "the weekend of"), ("WHOLE", "weekend")),
+    **dict.fromkeys(("month of", "the month of", "the day of"), ("LINK", "month of")),
     "less than": ("_AFTER", 0),
     "not more than": ("_AFTER", 0),
     "around": ("_AROUND", 0),

@@ -16,6 +16,8 @@ _WORD = re.compile(
     r"\d{4}[-/.]\d{1,2}[-/.]\d{1,2}(?:[tT]\d{1,2}:\d{2}(?::\d{2})?)?"  # ISO, with or without a time
     r"|\d{1,2}[-/.]\d{1,2}[-/.](?:\d{4}|\d{2})(?![\d:])"  # 10/16/2016
     r"|\d{1,2}-[a-zA-Z]{3,9}-\d{2,4}"  # 05-aug-2016
+    r"|\d{4}[-/]\d{1,2}(?![\d:])|\d{1,2}/\d{4}(?!\d)"  # 2015-3, 11/2015
+    r"|\d{1,2}-(?:jan|feb|mar|apr|may|jun|jul|aug|sep|oct|nov|dec)[a-z]*\b(?!-)"  # 28-nov
     r"|\d{1,2}/\d{1,2}(?![\d/])"  # 5/15
     r"|\d{1,2}[:.]\d{2}(?::\d{2})?(?!\d)"  # 12:30
     r"|[a-zA-Z]{3,9}-\d{1,2}(?!\d)"  # oct-28
@@ -103,8 +105,14 @@ _DATED = re.compile(
 
 
 def _dashed(word: Word) -> list[Word]:
-    """Take `oct-28` and `monday-friday` apart; other words keep their hyphens."""
+    """Take `oct-28`, `28-oct` and `monday-friday` apart; other words keep their hyphens."""
     left, _, right = word.text.partition("-")
+    if left.isdecimal() and right.isalpha() and _DATED.match(right):
+        middle = word.start + len(left)
+        return [
+            replace(word, text=left, end=middle),
+            replace(word, text=right, start=middle + 1),
+        ]
     if not _DATED.match(left) or not (right.isdecimal() or _DATED.match(right)):
         return []
     middle = word.start + len(left)

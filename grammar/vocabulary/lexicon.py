@@ -154,10 +154,8 @@ def _relations() -> dict[str, RelationKind]:
     return found
 
 
-@lru_cache(maxsize=16)
-def lexicon(words: StoreWords = StoreWords()) -> Lexicon:  # frozen and empty
-    """Return the lexicon with a store's words added; one object for equal words."""
-    plurals = _plural_exceptions()
+def _nouns(plurals: dict[str, str]) -> tuple[dict[str, str], dict[str, tuple[str, ...]]]:
+    """Return the category of each noun, and the wider words of each category, as listed."""
     nouns: dict[str, str] = {}
     broader: dict[str, tuple[str, ...]] = {}
     for category, said, wide in _noun_lines():
@@ -169,6 +167,14 @@ def lexicon(words: StoreWords = StoreWords()) -> Lexicon:  # frozen and empty
         nouns[category] = category  # a category is never another one's synonym
         for word in said:
             nouns.setdefault(inflection.singular(word, plurals), category)
+    return nouns, broader
+
+
+@lru_cache(maxsize=16)
+def lexicon(words: StoreWords = StoreWords()) -> Lexicon:  # frozen and empty
+    """Return the lexicon with a store's words added; one object for equal words."""
+    plurals = _plural_exceptions()
+    nouns, broader = _nouns(plurals)
     glued = {noun.replace(" ", ""): noun for noun in nouns if " " in noun}
     for name in [*words.categories, *(word for word, _ in words.names)]:
         one = inflection.singular(name.lower(), plurals)
