@@ -61,7 +61,7 @@ class Glance:
         self.frames += 1
         self.hidden += hidden
         self.through += through
-        self.familiar += familiar and not hidden
+        self.familiar += familiar
 
 
 class Absence:
@@ -97,11 +97,10 @@ class Absence:
             thing, place = positions.owners[row]
             glance = self._glance(thing, place)
             u, v, away = float(seen.u[row]), float(seen.v[row]), float(seen.depth_m[row])
-            familiar = _is_familiar(place, eye, away)
-            if glance.found:  # then what depth says of it is not asked
-                glance.add(False, False, familiar)
-            else:
-                glance.add(*self._depth(scene, u, v, away, float(sigma[row])), familiar)
+            hidden = through = False
+            if not glance.found:  # else what depth says of it is not asked
+                hidden, through = self._depth(scene, u, v, away, float(sigma[row]))
+            glance.add(hidden, through, not hidden and _is_familiar(place, eye, away))
 
     def _depth(
         self, scene: Scene, u: float, v: float, away_m: float, sigma_m: float
@@ -114,11 +113,14 @@ class Absence:
         margin = self._parameters.seen_through_m + 2 * sigma_m
         wide = PATCH + round(2 * sigma_m * scene.camera.fx / away_m)
         middle = _patch(scene.depth, u, v, PATCH)
+        if middle is None:
+            return False, False
+        if _share(middle, away_m - margin) > 0.5:
+            return True, False
         around = _patch(scene.depth, u, v, wide) if wide <= PATCH_MOST else None
-        hidden = middle is not None and _share(middle, away_m - margin) > 0.5
         limit = away_m + self._parameters.seen_through_m
         through = around is not None and _share(around, limit) < NEAREST_SHARE
-        return hidden, through
+        return False, through
 
     def _glance(self, thing: Known, place: Place) -> Glance:
         return self._glances.setdefault((thing.number, place.number), Glance(thing, place))

@@ -97,14 +97,22 @@ class LookModel:
 
         likeness: cosines (n, m) with looks of so many views (m,).
         """
+        slope, even = self._lines(kind)
         bins = np.searchsorted(LOOK_BINS, views, side="right")
-        pair = self.sums[:, (SAME, kind)]
-        means = pair[:, :, 1]
-        variance = pair[:, :, 2].sum(axis=1) / pair[:, :, 0].sum(axis=1)
-        slope = np.maximum(means[:, 0] - means[:, 1], 0.0) / np.maximum(variance, 1e-4)
-        even = means.mean(axis=1)
         raw = slope[bins] * (likeness - even[bins])
-        return np.asarray(np.clip(raw, self._parameters.look_least, self._parameters.look_most))
+        least, most = self._parameters.look_least, self._parameters.look_most
+        return np.asarray(np.minimum(np.maximum(raw, least), most))
+
+    def _lines(self, kind: int) -> tuple[Floats, Floats]:
+        """Return the slope of the evidence in each bin, and the likeness that says nothing."""
+        sums: list[list[list[float]]] = self.sums.tolist()
+        slope, even = [], []
+        for rows in sums:  # so few numbers go quicker one by one
+            (n, same, squares), (m, other, more) = rows[SAME], rows[kind]
+            variance = max((squares + more) / (n + m), 1e-4)
+            slope.append(max(same - other, 0.0) / variance)
+            even.append((same + other) / 2)
+        return np.array(slope), np.array(even)
 
 
 DOUBT_LEAST = 0.02
@@ -185,6 +193,11 @@ def mahalanobis(residuals: Floats, covariances: Floats) -> tuple[Floats, Floats]
     return quadratic / safe, safe
 
 
+def load_solver() -> None:
+    """Import what `assign` needs: a fifth of a second, which the first frame should not wait."""
+    import scipy.optimize  # noqa: F401
+
+
 def assign(scores: Floats, new_score: float) -> list[int]:
     """Return for each row of scores (n, m) the column it goes to, or -1 for a new thing.
 
@@ -195,10 +208,11 @@ def assign(scores: Floats, new_score: float) -> list[int]:
     if n == 0 or m == 0:
         return [-1] * n
     gain = np.maximum(scores - new_score, 0.0)
-    if n == 1:
-        best = int(gain[0].argmax())
-        return [best if gain[0, best] > 0 else -1]
-    from scipy.optimize import linear_sum_assignment  # a fifth of a second to import
+    best = gain.argmax(axis=1)
+    wanted = [column for i, column in enumerate(best.tolist()) if gain[i, column] > 0]
+    if len(set(wanted)) == len(wanted):  # no two want the same: each has its best
+        return [column if gain[i, column] > 0 else -1 for i, column in enumerate(best.tolist())]
+    from scipy.optimize import linear_sum_assignment
 
     rows, columns = linear_sum_assignment(gain, maximize=True)
     taken = [-1] * n

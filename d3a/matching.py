@@ -111,6 +111,7 @@ class Matcher:
     """Scores a frame's detections against the memory and assigns them."""
 
     def __init__(self, memory: Memory, categories: CategoryModel, parameters: Parameters) -> None:
+        likelihood.load_solver()
         self._memory = memory
         self._categories = categories
         self._parameters = parameters
@@ -139,7 +140,7 @@ class Matcher:
         if not observed.things:
             return []
         observed = self._scaled(observed, pose)
-        self._meet(observed)
+        apart = self._meet(observed)
         self.space.add(observed.looks)
         rows = self._gate(observed)
         things = self._candidates(observed, rows)
@@ -155,7 +156,7 @@ class Matcher:
             score = scoring.total(place)
             taken = likelihood.assign(score, new)
         if scoring.likeness is not None:
-            self._learn(observed, things, taken, scoring.without_look(place), scoring.likeness)
+            self._learn(observed, things, taken, scoring, scoring.without_look(place), apart)
         owners = self._memory.positions.owners
         return [
             None
@@ -164,11 +165,12 @@ class Matcher:
             for i, column in enumerate(taken)
         ]
 
-    def _meet(self, observed: Observed) -> None:
-        """Learn how near to each other things of different categories stand."""
+    def _meet(self, observed: Observed) -> Floats:
+        """Learn how near to each other things of different categories stand; give how near."""
         names = np.array([thing.detection.category for thing in observed.things])
         apart = _apart(observed)
         self.neighbours.add(np.where(names[:, None] == names[None], np.nan, apart))
+        return apart
 
     def _gate(self, observed: Observed) -> NDArray[np.intp]:
         """Return the rows of places that any detection may be at, by thing and place."""
@@ -254,13 +256,15 @@ class Matcher:
         observed: Observed,
         things: list[Known],
         taken: list[int],
+        scoring: Scoring,
         evidence: Floats,
-        likeness: Floats,
+        apart: Floats,
     ) -> None:
         """Teach the look model by what place and category (`evidence`) decided without it."""
         least = self._parameters.plain_odds
         confirmed = [thing.seen >= self._parameters.confirm_sightings for thing in things]
-        apart = _apart(observed)
+        likeness = scoring.likeness
+        assert likeness is not None
         for i, column in enumerate(taken):
             if column < 0 or not confirmed[column]:
                 continue

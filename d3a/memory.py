@@ -53,6 +53,7 @@ class Place:
 class Known:
     """A thing in memory. votes: weight by category; seen: frames it was detected in, ever.
 
+    met: numbers of the things seen beside it in a frame while it was in memory, so other things.
     look_weight: of the mean look, 0 without one. row: in the table of looks.
     """
 
@@ -67,6 +68,7 @@ class Known:
     extents: int = 0
     names: tuple[TaughtName, ...] = ()
     places: list[Place] = field(default_factory=list)
+    met: set[int] = field(default_factory=set)
     row: int = -1
     dirty: bool = True
 
@@ -78,7 +80,16 @@ class Known:
     @property
     def category(self) -> str:
         """The category with most weight, the first by name of equals."""
+        if len(self.votes) == 1:  # the usual case
+            return next(iter(self.votes))
         return min(self.votes, key=lambda name: (-self.votes[name], name))
+
+    @property
+    def latest(self) -> Place:
+        """The place where it was seen last."""
+        if len(self.places) == 1:
+            return self.places[0]
+        return max(self.places, key=lambda place: (place.last_ms, place.number))
 
     def place(self, number: int) -> Place:
         """Return the place with this number."""

@@ -14,7 +14,8 @@ from d3a.sightings import Interval
 from d3a.store.base import TaughtName
 
 _PLACE = tuple(f.name for f in fields(Place) if f.name not in ("open", "row"))
-_KNOWN = tuple(f.name for f in fields(Known) if f.name not in ("names", "places", "row", "votes"))
+_OWN = ("names", "places", "row", "votes", "met")
+_KNOWN = tuple(f.name for f in fields(Known) if f.name not in _OWN)
 
 
 def memory_state(memory: Memory) -> tuple[Json, Arrays]:
@@ -34,6 +35,7 @@ def memory_state(memory: Memory) -> tuple[Json, Arrays]:
 def _thing_json(thing: Known) -> Json:
     record: Json = {name: getattr(thing, name) for name in _KNOWN}
     record["votes"] = list(thing.votes.items())  # their order is that of summation
+    record["met"] = sorted(thing.met)
     record["names"] = [[name.word, name.owner] for name in thing.names]
     record["places"] = [_place_json(place) for place in thing.places]
     return record
@@ -73,7 +75,7 @@ def _thing(record: Json) -> Known:
     extent = plain["extent_m"]
     plain["extent_m"] = None if extent is None else tuple(extent)
     names = tuple(TaughtName(word, owner) for word, owner in record["names"])
-    return Known(**plain, votes=dict(record["votes"]), names=names)
+    return Known(**plain, votes=dict(record["votes"]), names=names, met=set(record["met"]))
 
 
 def _place(record: Json) -> Place:

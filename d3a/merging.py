@@ -81,7 +81,12 @@ def likely_same(missed: Known, found: list[Known], evidence: Evidence) -> list[K
     if missed.row < 0 or not _is_simple(missed):
         return []
     others = [
-        thing for thing in found if thing.row >= 0 and thing is not missed and _is_simple(thing)
+        thing
+        for thing in found
+        if thing.row >= 0
+        and thing is not missed
+        and thing.number not in missed.met
+        and _is_simple(thing)
     ]
     near = evidence.near(missed, others)
     scored = [(evidence.odds(missed, thing), -thing.number, thing) for thing in near]
@@ -147,6 +152,7 @@ def _join(kept: Known, gone: Known, memory: Memory, parameters: Parameters) -> N
     place.chances = max(place.chances, place.hits)
     place.misses, place.evidence = 0, 0.0
     place.seen_from = [*place.seen_from, *lost.seen_from]
+    kept.met |= gone.met
     kept.dirty = True
     memory.remove(gone)
 

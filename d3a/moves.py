@@ -58,8 +58,11 @@ class Moves:
         self.compared: set[int] = set()
         """Numbers of the things that `others` has learned from."""
 
-    def find(self) -> list[Link]:
-        """Return the moves that are likelier than all else that either thing may be, together."""
+    def find(self, changed: set[int]) -> list[Link]:
+        """Return the moves that are likelier than all else that either thing may be, together.
+
+        changed: numbers of the things that were seen, or missed, since the last call.
+        """
         confirmed = _confirmed(self._memory, self._parameters)
         fresh = [thing for thing in confirmed if _is_unexplained(thing)]
         self._compare([new for new in fresh if new.number not in self.compared], confirmed)
@@ -69,11 +72,11 @@ class Moves:
         pairs = [
             (new, old, place)
             for old in confirmed
-            if (place := _latest(old)).misses > 0
+            if (place := old.latest).misses > 0
             for new in by_category.get(old.category, ())
             if place.last_ms < new.first_ms and new is not old
         ]
-        if not pairs:
+        if not any(new.number in changed or old.number in changed for new, old, _ in pairs):
             return []
         return self._links(pairs)
 
@@ -163,10 +166,6 @@ def _confirmed(memory: Memory, parameters: Parameters) -> list[Known]:
     ]
 
 
-def _latest(thing: Known) -> Place:
-    return max(thing.places, key=lambda place: (place.last_ms, place.number))
-
-
 def _is_unexplained(thing: Known) -> bool:
     """Say whether it turned up at one place and is not known from another."""
     return len(thing.places) == 1 and not thing.names and thing.places[0].moved_from is None
@@ -175,7 +174,7 @@ def _is_unexplained(thing: Known) -> bool:
 def apply_link(link: Link, memory: Memory, ledger: Ledger, parameters: Parameters) -> Became:
     """Make `new` a further place of `old`, in the memory and in what is written already."""
     old, new = link.old, link.new
-    left = _latest(old)
+    left = old.latest
     place = new.places[0]
     was: StayKey = (new.object_id, place.number)
     place.number = max(each.number for each in old.places) + 1
@@ -204,6 +203,7 @@ def _merge(old: Known, new: Known, memory: Memory, parameters: Parameters) -> No
     look = memory.looks.of(new)
     if look is not None:
         memory.looks.blend(old, look, new.look_weight, parameters.looks_remembered)
+    old.met |= new.met
     old.places.append(place)
     if place.row >= 0:
         memory.positions.owners[place.row] = (old, place)

@@ -33,7 +33,8 @@ class Neighbours:
     def add(self, apart_m: Floats) -> None:
         """Learn from a frame: distances (n, n) of its things, NaN between two of a category."""
         self.seen += len(apart_m)
-        self.pairs += np.histogram(apart_m, bins=SHELLS_M)[0]
+        shells = np.searchsorted(SHELLS_M[1:], apart_m[apart_m < REACH_M], side="right")
+        self.pairs += np.bincount(shells, minlength=len(VOLUMES))
 
     def space_m3(self, apart_m: Floats) -> Floats:
         """Return the space in which one other thing is found at such distances, alike shaped."""

@@ -64,13 +64,16 @@ class TrackerPipeline:
         moved: list[tuple[int, Place]] = []
         for i, match in enumerate(matches):
             thing, place = match if match is not None else self._born(observed, i, scene.ref)
-            place = place if place is not None else self._newest(thing)
+            place = place if place is not None else thing.latest
             if place.row < 0:
                 self._settle(thing, place, observed, i)
             elif match is not None and not np.isnan(observed.places[i, 0]):
                 moved.append((i, place))
             self._view(thing, place, found[i], observed, i, scene.ref)
             seen.append((thing, place))
+        numbers = {thing.number for thing, _ in seen}
+        for thing, _ in seen:
+            thing.met |= numbers
         self._matcher.update(observed, moved, scene.pose)
         self._meet(scene.ref, seen, found)
         self._absence.watch(scene, seen, self._matcher.offset)
@@ -84,9 +87,6 @@ class TrackerPipeline:
         noise = np.trace(observed.noise, axis1=1, axis2=2)
         shared = 0.0 if scene.pose is None else 3 * self._parameters.pose_sigma_m**2
         self._recall.fetch(observed.places, np.sqrt(noise + shared) + 1.0, scene.ref.time_ms)
-
-    def _newest(self, thing: Known) -> Place:
-        return max(thing.places, key=lambda place: (place.last_ms, place.number))
 
     def _born(self, observed: Observed, i: int, ref: FrameRef) -> tuple[Known, Place]:
         thing = Known(self._next_number, {}, ref.time_ms, ref.time_ms)
@@ -159,8 +159,10 @@ class TrackerPipeline:
     def end_look(self) -> None:
         """Judge the look that ended: what was missing, what expires, what was moved."""
         found = self._absence.found()
-        self._expire(self._merge(self._absence.end_look(), found))
-        self._link()
+        missed = self._absence.end_look()
+        changed = {thing.number for thing in (*found, *missed)}
+        self._expire(self._merge(missed, found))
+        self._link(changed)
 
     def _merge(self, missed: list[Known], found: list[Known]) -> list[Known]:
         """Make one of what a look missed and what it found there; return what is still missed."""
@@ -201,8 +203,8 @@ class TrackerPipeline:
                 self._events.append(Became(name, None, EXPIRED))
                 self._memory.remove(thing)
 
-    def _link(self) -> None:
-        for link in self._moves.find():
+    def _link(self, changed: set[int]) -> None:
+        for link in self._moves.find(changed):
             if self._is_named(link.new):
                 continue
             was = (link.new.object_id, link.new.places[0].number)
