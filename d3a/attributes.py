@@ -23,8 +23,8 @@ from d3a.colours import (
     words_of,
 )
 from d3a.match import Candidate, Lexicon
+from d3a.pairs import normal_cdf
 from d3a.plan import JudgeAttributes
-from d3a.relations import normal_cdf
 
 UNKNOWN = 0.5
 """The chance of an attribute for an object without a picture, where others have one."""

@@ -16,16 +16,14 @@ from d3a.attributes import judged
 from d3a.changes import Slice, missing, moved, usual
 from d3a.conclude import conclude
 from d3a.facts import Facts
-from d3a.joins import (
-    SYMMETRIC,
-    Related,
+from d3a.joined import (
     between_moments,
     chain_moments,
     holders,
     pair_moments,
-    relate,
     without_relation,
 )
+from d3a.joins import SYMMETRIC, Related, relate
 from d3a.lookalikes import later_names
 from d3a.match import Candidate, Lexicon, candidates, in_room, rungs
 from d3a.moments import Found
@@ -324,7 +322,8 @@ def _related(run: Run, step: Relate, figure: Found, ground: Found) -> Related:
     )
     inside = [e for e in encounters if end is None or e.start_ms < end]
     once = step.kind in SYMMETRIC
-    return relate(step.kind, figure, ground, inside, run.parameters, once=once)
+    usual = run.facts.usual_grounds(step.kind, run.lexicon)
+    return relate(step.kind, figure, ground, inside, run.parameters, once=once, usual=usual)
 
 
 def _rank(run: Run, step: Rank) -> None:

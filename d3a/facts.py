@@ -26,6 +26,7 @@ from d3a.store.base import (
     Store,
     TaughtName,
 )
+from grammar.forms import RelationKind
 
 MOST_KEPT = 5_000
 """So many records of objects, and of stays, are kept between questions at most."""
@@ -153,6 +154,21 @@ class Facts:
         if self._known.keeps("sightings", sum(map(len, fresh.values())), MOST_SIGHTINGS):
             known |= fresh
         return found
+
+    def usual_grounds(self, kind: RelationKind, lexicon: Lexicon) -> frozenset[str]:
+        """Return the categories of the store that things usually stand in the relation to.
+
+        There is room below furniture; things lie on what is large and stays.
+        """
+        if kind == "under":
+            return frozenset(
+                category
+                for category in self.categories()
+                if "furniture" in lexicon.broader(lexicon.canonical(category))
+            )
+        if kind in ("on", "above"):
+            return frozenset(c for c in self.categories() if is_landmark_word(c, lexicon))
+        return frozenset()
 
     def landmarks(self, lexicon: Lexicon) -> Landmarks:
         """Return the large static things that places are told by."""

@@ -128,14 +128,15 @@ def locate(
 ) -> Detection:
     """Return the detection with position, covariance and extent, as far as they can be told.
 
-    A position that the recording gives is kept. Else depth, intrinsics and pose give it; without
+    A position that the recording gives is kept, and tells how far and so how large the thing is.
+    Else depth, intrinsics and pose give it; without
     depth it is half way along the ray of the box's centre with an error as long, and without
     intrinsics it is the robot's own place with that error all around (DESIGN, decision 6).
     The covariance is the thing's own share: what all things in a frame have in common is in the
     pose's covariance, and the tiers add it.
     """
     if detection.position is not None:
-        return _given(detection, pose, parameters)
+        return _sized(_given(detection, pose, parameters), pose, camera)
     if pose is None:
         return detection
     spot = measured(depth, detection.box, parameters) if depth is not None else None
@@ -155,8 +156,7 @@ def locate(
     placed = _placed(detection, position, covariance)
     if spot is None:
         return placed
-    extent = ((x2 - x1) * spot.depth_m / camera.fx, (y2 - y1) * spot.depth_m / camera.fy)
-    return replace(placed, extent_m=extent)
+    return replace(placed, extent_m=_extent(detection.box, spot.depth_m, camera))
 
 
 def _given(detection: Detection, pose: Pose | None, parameters: Parameters) -> Detection:
@@ -169,6 +169,25 @@ def _given(detection: Detection, pose: Pose | None, parameters: Parameters) -> D
         covariance += np.outer(away, away) * parameters.depth_sigma_rel**2
         covariance += heading_covariance(pose, position)
     return _placed(detection, position, covariance)
+
+
+def _sized(detection: Detection, pose: Pose | None, camera: Camera | None) -> Detection:
+    """Return the detection with its extent, from its own position as seen by the camera."""
+    if detection.extent_m is not None or pose is None or camera is None:
+        return detection
+    away = np.array(detection.position) - np.array(pose.position)
+    ahead = float(away @ rotation(pose)[:, 2])
+    if ahead <= 0:  # the position is another one than the picture's
+        return detection
+    return replace(detection, extent_m=_extent(detection.box, ahead, camera))
+
+
+def _extent(box: Box, ahead_m: float, camera: Camera) -> tuple[float, float] | None:
+    """Return width and height in metres, None for a box that the picture's edge cuts."""
+    x1, y1, x2, y2 = box
+    if min(x1, y1) < 1 or x2 > camera.width - 1 or y2 > camera.height - 1:
+        return None
+    return (x2 - x1) * ahead_m / camera.fx, (y2 - y1) * ahead_m / camera.fy
 
 
 def _placed(detection: Detection, position: Floats, covariance: Floats) -> Detection:

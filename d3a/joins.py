@@ -7,7 +7,7 @@ Two things meet in a shared frame (an encounter), or where their intervals overl
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -16,10 +16,10 @@ from numpy.typing import NDArray
 
 from d3a import relations
 from d3a.model import Box
-from d3a.moments import Found, Moment, entry_of, positions
+from d3a.moments import Found, positions
+from d3a.pairs import Pairs
 from d3a.parameters import Parameters
-from d3a.places import sigma_of
-from d3a.relations import Pairs
+from d3a.places import sigma_of, up_of
 from d3a.store.base import Encounter, Sighting, StayKey
 from grammar.forms import RelationKind
 
@@ -31,6 +31,8 @@ CONTACT_M = 2.0
 """What lies on, under, in or beside a thing is no further from its middle than this."""
 _PART = 4_000_000  # pairs compared at once: keeps the join's memory under 100 MB
 Spans = dict[StayKey, list[tuple[int, int]]]
+STANDING: frozenset[RelationKind] = frozenset({"near", "on", "under", "in", "above", "same_place"})
+"""These are between two places, whoever looks; sides are the viewer's."""
 SYMMETRIC: frozenset[RelationKind] = frozenset({"together", "near", "same_place"})
 
 
@@ -76,6 +78,7 @@ class Link(NamedTuple):
 
 _NO_BOX: Box = (math.nan, math.nan, math.nan, math.nan)
 _NO_POSE = (math.nan,) * 7
+_NO_SIZE = (math.nan, math.nan)
 
 
 def links(
@@ -190,13 +193,17 @@ def _overlapping(
     return found
 
 
-def pairs_of(found: Sequence[Link], figure: Found, ground: Found) -> Pairs:
-    """Return the geometry of links as arrays, a row a link."""
+def pairs_of(
+    found: Sequence[Link], figure: Found, ground: Found, usual: Collection[str] = ()
+) -> Pairs:
+    """Return the geometry of links as arrays, a row a link. usual: see `relate`."""
     stays_a = [figure.stays.get(link.figure) for link in found]
     stays_b = [ground.stays.get(link.ground) for link in found]
     boxes = [link.boxes() for link in found]
     sigma = [math.hypot(sigma_of(a), sigma_of(b)) for a, b in zip(stays_a, stays_b, strict=True)]
-    extents = [ground.candidates[link.ground[0]].record.extent_m for link in found]
+    extents_a = [figure.candidates[link.figure[0]].record.extent_m for link in found]
+    extents_b = [ground.candidates[link.ground[0]].record.extent_m for link in found]
+    upright = [math.hypot(up_of(a), up_of(b)) for a, b in zip(stays_a, stays_b, strict=True)]
     return Pairs(
         position_a=positions(stays_a),
         position_b=positions(stays_b),
@@ -204,7 +211,13 @@ def pairs_of(found: Sequence[Link], figure: Found, ground: Found) -> Pairs:
         box_a=_array([own for own, _ in boxes], 4),
         box_b=_array([other for _, other in boxes], 4),
         viewer=_array([link.viewer() for link in found], 7),
-        width_b=np.array([e[0] if e else np.nan for e in extents], dtype=np.float64),
+        extent_a=_array([e or _NO_SIZE for e in extents_a], 2),
+        extent_b=_array([e or _NO_SIZE for e in extents_b], 2),
+        sigma_up=np.array(upright, dtype=np.float64),
+        usual_b=np.array(
+            [ground.candidates[link.ground[0]].record.category in usual for link in found],
+            dtype=np.bool_,
+        ),
     )
 
 
@@ -233,8 +246,12 @@ def relate(
     parameters: Parameters,
     *,
     once: bool = False,
+    usual: Collection[str] = (),
 ) -> Related:
-    """Return where figure and ground meet, with how likely the relation held."""
+    """Return where figure and ground meet, with how likely the relation held.
+
+    usual: the categories of what is usual as a ground: things lie on tables, under furniture.
+    """
     met = links(
         figure,
         ground,
@@ -243,7 +260,22 @@ def relate(
         timeless=kind == "same_place",
         once=once,
     )
-    return Related(met, relations.probability(kind, pairs_of(met, figure, ground), parameters))
+    pairs = pairs_of(met, figure, ground, usual)
+    held = relations.probability(kind, pairs, parameters)
+    return Related(met, _agreed(met, held) if kind in STANDING else held)
+
+
+def _agreed(found: Sequence[Link], held: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the mean of what the pictures of two stays say: neither moved in between (n,)."""
+    rows: dict[tuple[StayKey, StayKey], list[int]] = {}
+    for i, link in enumerate(found):
+        rows.setdefault((link.figure, link.ground), []).append(i)
+    agreed = held.copy()
+    for several in rows.values():
+        told = [i for i in several if not np.isnan(held[i])]
+        if len(told) > 1:
+            agreed[told] = held[told].mean()
+    return agreed
 
 
 def _reach_m(kind: RelationKind, parameters: Parameters) -> float:
@@ -261,110 +293,6 @@ def _reach_m(kind: RelationKind, parameters: Parameters) -> float:
             return CONTACT_M
 
 
-def pair_moments(related: Related, figure: Found, ground: Found) -> list[Moment]:
-    """Return a moment a link whose relation is more likely than not."""
-    out: list[Moment] = []
-    for link, p in zip(related.links, related.probability, strict=True):
-        if p >= HOLDS:  # False for NaN
-            a, b = link.seen()
-            entries = (entry_of(figure, a), entry_of(ground, b))
-            out.append(Moment(entries, *_ordered(link), relation=float(p)))
-    return out
-
-
-def chain_moments(moments: Sequence[Moment], more: Sequence[Moment]) -> list[Moment]:
-    """Join moments of (x, y) with moments of (x, z) that share the figure's stay and overlap.
-
-    The relation holds as likely as both do; the interval is the common one.
-    """
-    by_stay: dict[StayKey, list[Moment]] = {}
-    for moment in more:
-        by_stay.setdefault(moment.figure.sighting.stay, []).append(moment)
-    out: list[Moment] = []
-    for moment in moments:
-        present = {entry.sighting.object_id for entry in moment.entries}
-        for other in by_stay.get(moment.figure.sighting.stay, []):
-            start = max(moment.start_ms, other.start_ms)
-            end = min(moment.end_ms, other.end_ms)
-            if start > end or other.entries[1].sighting.object_id in present:
-                continue
-            held = (moment.relation or 1.0) * (other.relation or 1.0)
-            out.append(Moment((*moment.entries, other.entries[1]), start, end, relation=held))
-    return out
-
-
-def between_moments(
-    figure: Found, grounds: Sequence[Found], found: Sequence[Related]
-) -> list[Moment]:
-    """Return the moments in which the figure was between one thing of each ground.
-
-    grounds, found: one for each of the two other things; the same twice for "between the chairs".
-    """
-    first, second = found[0].links, found[-1].links
-    by_stay: dict[StayKey, list[Link]] = {}
-    for link in second:
-        by_stay.setdefault(link.figure, []).append(link)
-    both = [
-        (one, two)
-        for one in first
-        for two in by_stay.get(one.figure, [])
-        if max(one.start_ms, two.start_ms) <= min(one.end_ms, two.end_ms)
-        and one.ground[0] != two.ground[0]
-        and (grounds[0] is not grounds[-1] or one.ground[0] < two.ground[0])
-    ]
-    left = pairs_of([one for one, _ in both], figure, grounds[0])
-    right = pairs_of([two for _, two in both], figure, grounds[-1])
-    held = relations.between(left, right) if both else np.zeros(0)
-    out: list[Moment] = []
-    for (one, two), p in zip(both, held, strict=True):
-        if p >= HOLDS:
-            entries = (
-                entry_of(figure, one.seen()[0]),
-                entry_of(grounds[0], one.seen()[1]),
-                entry_of(grounds[-1], two.seen()[1]),
-            )
-            start, end = max(one.start_ms, two.start_ms), min(one.end_ms, two.end_ms)
-            out.append(Moment(entries, start, end, relation=float(p)))
-    return out
-
-
-def without_relation(
-    figure: Found, found: Sequence[Related], grounds: Sequence[Found]
-) -> list[Moment]:
-    """Return the figure's sightings in which no ground stood in the relation.
-
-    Each possible ground weakens it by how likely it was the asked thing and the relation held.
-    """
-    free: dict[StayKey, list[tuple[int, int, float]]] = {}
-    for related, ground in zip(found, grounds, strict=True):
-        for link, p in zip(related.links, related.probability, strict=True):
-            if p > 0:
-                candidate = ground.candidates[link.ground[0]]
-                weight = float(p) * candidate.match
-                for probability in candidate.attributes.values():
-                    weight *= probability
-                spans = free.setdefault(link.figure, [])
-                spans.append((link.start_ms, link.end_ms, weight))
-    out: list[Moment] = []
-    for sighting in figure.sightings:
-        absent = 1.0
-        for start, end, weight in free.get(sighting.stay, []):
-            if start <= sighting.end_ms and end >= sighting.start_ms:
-                absent *= 1.0 - min(weight, 1.0)
-        if absent >= HOLDS:
-            entry = entry_of(figure, sighting)
-            out.append(Moment((entry,), sighting.start_ms, sighting.end_ms, relation=absent))
-    return out
-
-
-def holders(related: Related) -> dict[StayKey, float]:
-    """Return, for each stay of the figure, how likely the relation ever held for it."""
-    best: dict[StayKey, float] = {}
-    for link, p in zip(related.links, related.probability, strict=True):
-        if p >= HOLDS:
-            best[link.figure] = max(best.get(link.figure, 0.0), float(p))
-    return best
-
-
-def _ordered(link: Link) -> tuple[int, int]:
+def ordered(link: Link) -> tuple[int, int]:
+    """Return the interval of a link; what is timeless may have its ends the other way round."""
     return min(link.start_ms, link.end_ms), max(link.start_ms, link.end_ms)

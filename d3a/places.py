@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from d3a.match import Lexicon
 from d3a.model import Position
-from d3a.relations import DEFAULT_SIGMA_M, normal_cdf
+from d3a.pairs import DEFAULT_SIGMA_M, normal_cdf
 from d3a.store.base import ObjectRecord, Region, StayRecord, View
 
 LANDMARK_WORDS = frozenset(
@@ -143,6 +143,13 @@ def sigma_of(stay: StayRecord | None) -> float:
         return DEFAULT_SIGMA_M
     variance = (stay.covariance[0] + stay.covariance[4] + stay.covariance[8]) / 3
     return max(math.sqrt(max(variance, 0.0)), 0.02)
+
+
+def up_of(stay: StayRecord | None) -> float:
+    """Return the deviation of a stay's height, metres; up is z, as floors are in the x-y plane."""
+    if stay is None or stay.covariance is None:
+        return DEFAULT_SIGMA_M
+    return max(math.sqrt(max(stay.covariance[8], 0.0)), 0.02)
 
 
 def room_of(regions: Sequence[Region], position: Position | None) -> str | None:

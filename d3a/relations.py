@@ -8,52 +8,52 @@ over pairs. A pair that nothing can be said of gets NaN, which is not a no.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from d3a.pairs import (
+    EDGE_M,
+    EDGE_SHARE,
+    SAME_SPOT_M,
+    Floats,
+    Pairs,
+    as_factor,
+    beside_within,
+    box_area,
+    box_middle,
+    camera_axis,
+    distance_of,
+    height_in,
+    longer_side,
+    normal_cdf,
+    overlap_x,
+    rise_of,
+    soft_step,
+    spread_out,
+    swapped,
+    within,
+)
 from d3a.parameters import Parameters
 from grammar.forms import RelationKind
 
-Floats = NDArray[np.float64]
-SAME_SPOT_M = 1e-6
-"""Positions closer than this are one estimate for a whole frame: they tell nothing of a pair."""
-DEFAULT_SIGMA_M = 0.25
-"""The deviation of a position whose covariance is unknown."""
 REACH_M = 0.6
 """Half the width of a ground whose extent is unknown, and the slack of its edge."""
 LEVEL_M = 0.1
 """How far a measured point may lie on the wrong side of another: the middle of a thing's front
 is below its top."""
+SEAT_M = 0.15
+"""How far above a measured top the underside of what lies on it may be."""
+DEEP_M = 1.0
+"""A picture shows no depth of a thing: couches, tables and beds by their side have about this."""
+TEMPER = 0.3
+"""What boxes may take from measured places: much of a table is hidden, and its box says little."""
+SEAT_SHARE = 0.25
+"""How far below its middle, as a share of its height, a thing may carry another: a couch's seat."""
+FLOOR_SHARE = 0.3
+"""What is under a thing stands no higher than this share of its height: on the floor with it."""
 SIDE_M = 2.0
 """Left, right, behind and in front are said of things within this distance."""
-
-
-@dataclass(frozen=True, slots=True)
-class Pairs:
-    """n pairs of a figure (a) and a ground (b); NaN where something is unknown.
-
-    position_a, position_b (n, 3): metres. sigma (n,): deviation of their distance in metres.
-    box_a, box_b (n, 4): pixels of a frame that shows both. viewer (n, 7): the camera's pose,
-    x y z qx qy qz qw. width_b (n,): extent of the ground in metres.
-    """
-
-    position_a: Floats
-    position_b: Floats
-    sigma: Floats
-    box_a: Floats
-    box_b: Floats
-    viewer: Floats
-    width_b: Floats
-
-    def __len__(self) -> int:
-        return len(self.sigma)
-
-    @property
-    def shared(self) -> NDArray[np.bool_]:
-        """Which pairs have a frame that shows both (n,)."""
-        return ~(np.isnan(self.box_a[:, 0]) | np.isnan(self.box_b[:, 0]))
 
 
 def probability(kind: RelationKind, pairs: Pairs, parameters: Parameters) -> Floats:
@@ -86,106 +86,44 @@ def between(first: Pairs, second: Pairs) -> Floats:
             * normal_cdf((length - along) / sigma)
             * normal_cdf((np.maximum(length / 2, REACH_M) - off) / sigma)
         )
-        x_a, x_b, x_c = (_centre(box)[:, 0] for box in (first.box_a, first.box_b, second.box_b))
+        x_a, x_b, x_c = (box_middle(box)[:, 0] for box in (first.box_a, first.box_b, second.box_b))
         scale = 0.25 * np.abs(x_c - x_b)
         low, high = np.minimum(x_b, x_c), np.maximum(x_b, x_c)
         by_box = normal_cdf((x_a - low) / scale) * normal_cdf((high - x_a) / scale)
         return np.where(np.isnan(by_place) | (length < SAME_SPOT_M), by_box, by_place)
 
 
-def normal_cdf(z: Floats) -> Floats:
-    """Return the standard normal distribution function, to 1e-7, without scipy.
-
-    Abramowitz and Stegun 26.2.17: `ask` must not pay for the import of scipy.
-    """
-    t = 1.0 / (1.0 + 0.2316419 * np.abs(z))
-    poly = t * (
-        0.319381530 + t * (-0.356563782 + t * (1.781477937 + t * (-1.821255978 + t * 1.330274429)))
-    )
-    upper = np.exp(-0.5 * np.minimum(z * z, 700.0)) / np.sqrt(2 * np.pi) * poly
-    return np.asarray(np.where(z >= 0, 1.0 - upper, upper))
-
-
-def up_axis(viewers: Floats) -> tuple[int, float]:
-    """Return the map's axis that points up and its sign, by where the cameras' tops point.
-
-    viewers (n, 7). A camera is carried upright: the mean of its own up is nearest to the map's.
-    Without any viewer, z (REP 103).
-    """
-    known = viewers[~np.isnan(viewers[:, 0])] if len(viewers) else viewers
-    if len(known) == 0:
-        return 2, 1.0
-    up = -_axis(known, 1).mean(axis=0)  # optical y points down
-    axis = int(np.argmax(np.abs(up)))
-    return axis, 1.0 if up[axis] >= 0 else -1.0
-
-
-def _axis(viewer: Floats, column: int) -> Floats:
-    """Return a column of each viewer's rotation matrix (n, 3): 0 right, 1 down, 2 forward."""
-    x, y, z, w = viewer[:, 3], viewer[:, 4], viewer[:, 5], viewer[:, 6]
-    if column == 0:
-        return np.stack([1 - 2 * (y * y + z * z), 2 * (x * y + z * w), 2 * (x * z - y * w)], 1)
-    if column == 1:
-        return np.stack([2 * (x * y - z * w), 1 - 2 * (x * x + z * z), 2 * (y * z + x * w)], 1)
-    return np.stack([2 * (x * z + y * w), 2 * (y * z - x * w), 1 - 2 * (x * x + y * y)], 1)
-
-
-def _centre(box: Floats) -> Floats:
-    return np.stack([box[:, 0] + box[:, 2], box[:, 1] + box[:, 3]], axis=1) / 2
-
-
-def _distance(pairs: Pairs, *, level: bool = False) -> Floats:
-    """Return metres between figure and ground, NaN where unknown or one estimate for both.
-
-    level: in the ground plane only.
-    """
-    apart = pairs.position_a - pairs.position_b
-    full = np.linalg.norm(apart, axis=1)
-    if level:
-        axis, _ = up_axis(pairs.viewer)
-        apart = np.delete(apart, axis, axis=1)
-    return np.where(full < SAME_SPOT_M, np.nan, np.linalg.norm(apart, axis=1))
-
-
-def _rise(pairs: Pairs) -> Floats:
-    """Return how far the figure's centre is above the ground's, metres."""
-    axis, sign = up_axis(pairs.viewer)
-    return sign * (pairs.position_a - pairs.position_b)[:, axis]
-
-
-def _within(pairs: Pairs, limit_m: Floats | float, *, level: bool = False) -> Floats:
-    """Return the probability that both are within the limit, NaN where positions do not tell."""
-    return normal_cdf((limit_m - _distance(pairs, level=level)) / pairs.sigma)
-
-
-def _known(evidence: Floats) -> Floats:
-    """Return evidence as a factor: what is unknown does not count against the pair."""
-    return np.where(np.isnan(evidence), 1.0, evidence)
-
-
-def _step(x: Floats, at: float, width: float) -> Floats:
-    """Return a soft step from 0 to 1 around `at`, half way there."""
-    return 1.0 / (1.0 + np.exp(-np.clip((x - at) / width, -50.0, 50.0)))
-
-
-def _overlap_x(pairs: Pairs) -> Floats:
-    """Return the share of the narrower box's width that both cover."""
-    left = np.maximum(pairs.box_a[:, 0], pairs.box_b[:, 0])
-    right = np.minimum(pairs.box_a[:, 2], pairs.box_b[:, 2])
-    width_a = pairs.box_a[:, 2] - pairs.box_a[:, 0]
-    width_b = pairs.box_b[:, 2] - pairs.box_b[:, 0]
-    return np.asarray(np.clip(right - left, 0.0, None) / np.minimum(width_a, width_b))
-
-
-def _height_in(pairs: Pairs, edge: Floats) -> Floats:
-    """Return where a row lies in the ground's box: 0 its top, 1 its bottom, below 0 above it."""
-    return (edge - pairs.box_b[:, 1]) / (pairs.box_b[:, 3] - pairs.box_b[:, 1])
-
-
 def _footprint(pairs: Pairs) -> Floats:
     """Return the probability that the figure stands within the ground's width, in the plane."""
-    half = np.where(np.isnan(pairs.width_b), REACH_M, pairs.width_b / 2)
-    return _within(pairs, half + REACH_M / 2, level=True)
+    width = pairs.extent_b[:, 0]
+    usual = width * (0.5 + EDGE_SHARE) + EDGE_M  # much of it may be hidden
+    edge = np.where(pairs.usual_b, usual, width / 2 + EDGE_M / 2)
+    edge = np.where(np.isnan(width), REACH_M * 1.5, edge)
+    across, along = spread_out(pairs)
+    deep = np.where(np.isnan(width), edge, np.minimum(edge, DEEP_M / 2 + EDGE_M))
+    by_sides = normal_cdf((edge - across) / pairs.sigma) * normal_cdf((deep - along) / pairs.sigma)
+    inside = np.where(np.isnan(by_sides), within(pairs, edge, level=True), by_sides)
+    return inside * as_factor(beside_within(pairs, edge))
+
+
+def _measured(pairs: Pairs) -> NDArray[np.bool_]:
+    """Return for which pairs places and sizes tell what is on or under what (n,)."""
+    sized = ~(np.isnan(pairs.extent_a).any(axis=1) | np.isnan(pairs.extent_b).any(axis=1))
+    return sized & ~np.isnan(distance_of(pairs))
+
+
+def _heights(pairs: Pairs) -> tuple[Floats, Floats]:
+    """Return the figure's underside and the ground's top above the ground's middle, metres."""
+    return rise_of(pairs) - pairs.extent_a[:, 1] / 2, pairs.extent_b[:, 1] / 2
+
+
+def _tempered(pairs: Pairs, by_box: Floats, by_size: Floats, otherwise: Floats) -> Floats:
+    """Return what measured places say, tempered by the boxes of a shared frame; else `otherwise`.
+
+    by_size: by places and sizes, where both are known.
+    """
+    tempered = by_size * np.where(pairs.shared, 1 - TEMPER + TEMPER * by_box, 1.0)
+    return np.where(_measured(pairs), tempered, otherwise)
 
 
 def _box_or_place(pairs: Pairs, by_box: Floats, by_place: Floats, sign: float = 0.0) -> Floats:
@@ -194,25 +132,25 @@ def _box_or_place(pairs: Pairs, by_box: Floats, by_place: Floats, sign: float = 
     sign: +1 where the figure must not be lower than the ground, -1 not higher, 0 for either: a
     chair behind a table is seen over its edge, but stands below its top.
     """
-    rise = np.where(np.isnan(_distance(pairs)), np.nan, _rise(pairs))
-    level = _known(normal_cdf((sign * rise + LEVEL_M) / pairs.sigma)) if sign else 1.0
-    return np.where(pairs.shared, by_box * _known(_footprint(pairs)) * level, by_place)
+    rise = np.where(np.isnan(distance_of(pairs)), np.nan, rise_of(pairs))
+    level = as_factor(normal_cdf((sign * rise + LEVEL_M) / pairs.sigma)) if sign else 1.0
+    return np.where(pairs.shared, by_box * as_factor(_footprint(pairs)) * level, by_place)
 
 
 def _vertical(pairs: Pairs, sign: float) -> Floats:
     """Return the probability by positions that the figure is above (+1) or below (-1)."""
-    rise = np.where(np.isnan(_distance(pairs)), np.nan, _rise(pairs))
+    rise = np.where(np.isnan(distance_of(pairs)), np.nan, rise_of(pairs))
     return normal_cdf(sign * rise / pairs.sigma) * _footprint(pairs)
 
 
 def _together(pairs: Pairs, parameters: Parameters) -> Floats:
-    near = _within(pairs, parameters.together_m)
+    near = within(pairs, parameters.together_m)
     near = np.where(np.linalg.norm(pairs.position_a - pairs.position_b, axis=1) == 0, 1.0, near)
     return np.where(pairs.shared, 1.0, near)
 
 
 def _near(pairs: Pairs, parameters: Parameters) -> Floats:
-    by_place = _within(pairs, parameters.near_m)
+    by_place = within(pairs, parameters.near_m) * as_factor(beside_within(pairs, parameters.near_m))
     gap_x = np.maximum(pairs.box_a[:, 0], pairs.box_b[:, 0]) - np.minimum(
         pairs.box_a[:, 2], pairs.box_b[:, 2]
     )
@@ -220,38 +158,64 @@ def _near(pairs: Pairs, parameters: Parameters) -> Floats:
         pairs.box_a[:, 3], pairs.box_b[:, 3]
     )
     gap = np.hypot(np.maximum(gap_x, 0), np.maximum(gap_y, 0))
-    size = np.maximum(_size(pairs.box_a), _size(pairs.box_b))
+    size = np.maximum(longer_side(pairs.box_a), longer_side(pairs.box_b))
     by_box = np.exp(-gap / size)  # a picture has no metres: things are near at their own size
     return np.where(np.isnan(by_place), by_box, by_place)
 
 
-def _size(box: Floats) -> Floats:
-    return np.maximum(box[:, 2] - box[:, 0], box[:, 3] - box[:, 1])
-
-
 def _on(pairs: Pairs, _: Parameters) -> Floats:
-    foot = _height_in(pairs, pairs.box_a[:, 3])
-    head = _height_in(pairs, pairs.box_a[:, 1])
+    foot = height_in(pairs, pairs.box_a[:, 3])
+    head = height_in(pairs, pairs.box_a[:, 1])
     by_box = (
-        _step(_overlap_x(pairs), 0.4, 0.08)
-        * _step(foot, -0.15, 0.04)
-        * (1 - _step(foot, 0.75, 0.06))
-        * (1 - _step(head, 0.5, 0.08))
+        soft_step(overlap_x(pairs), 0.4, 0.08)
+        * soft_step(foot, -0.15, 0.04)
+        * (1 - soft_step(foot, 0.75, 0.06))
+        * (1 - soft_step(head, 0.5, 0.08))
     )
-    return _box_or_place(pairs, by_box, _vertical(pairs, 1.0), 1.0)
+    underside, top = _heights(pairs)
+    spread = _upright(pairs)
+    by_size = (
+        _footprint(pairs)
+        * normal_cdf((underside + 2 * SEAT_SHARE * top + LEVEL_M) / spread)
+        * normal_cdf((top + SEAT_M - underside) / spread)
+    )
+    plain = _box_or_place(pairs, by_box, _vertical(pairs, 1.0), 1.0)
+    return _tempered(pairs, by_box, by_size, plain)
+
+
+def _upright(pairs: Pairs) -> Floats:
+    """Return the deviation of heights against each other: of the points, and of the sizes."""
+    sizes = np.hypot(pairs.extent_a[:, 1], pairs.extent_b[:, 1])
+    return np.hypot(np.minimum(pairs.sigma_up, LEVEL_M), EDGE_SHARE / 2 * sizes)
 
 
 def _under(pairs: Pairs, _: Parameters) -> Floats:
-    head = _height_in(pairs, pairs.box_a[:, 1])
-    foot = _height_in(pairs, pairs.box_a[:, 3])
-    by_box = _step(_overlap_x(pairs), 0.4, 0.08) * _step(head, 0.3, 0.06) * _step(foot, 0.65, 0.06)
-    return _box_or_place(pairs, by_box, _vertical(pairs, -1.0), -1.0)
+    head = height_in(pairs, pairs.box_a[:, 1])
+    foot = height_in(pairs, pairs.box_a[:, 3])
+    by_box = (
+        soft_step(overlap_x(pairs), 0.4, 0.08)
+        * soft_step(head, 0.3, 0.06)
+        * soft_step(foot, 0.65, 0.06)
+    )
+    underside, top = _heights(pairs)
+    spread = _upright(pairs)
+    below_middle = -rise_of(pairs)
+    on_its_floor = np.minimum(below_middle, (2 * FLOOR_SHARE - 1) * top - underside)
+    below_all = below_middle - top
+    by_size = _footprint(pairs) * normal_cdf(
+        np.where(pairs.usual_b, on_its_floor, below_all) / spread
+    )
+    plain = _box_or_place(pairs, by_box, _vertical(pairs, -1.0), -1.0)
+    return _tempered(pairs, by_box, by_size, plain)
 
 
 def _above(pairs: Pairs, _: Parameters) -> Floats:
-    foot = _height_in(pairs, pairs.box_a[:, 3])
-    by_box = _step(_overlap_x(pairs), 0.4, 0.08) * (1 - _step(foot, 0.1, 0.05))
-    return _box_or_place(pairs, by_box, _vertical(pairs, 1.0), 1.0)
+    foot = height_in(pairs, pairs.box_a[:, 3])
+    by_box = soft_step(overlap_x(pairs), 0.4, 0.08) * (1 - soft_step(foot, 0.5, 0.06))
+    underside, top = _heights(pairs)
+    by_size = _footprint(pairs) * normal_cdf((underside - top / 2) / _upright(pairs))
+    plain = _box_or_place(pairs, by_box, _vertical(pairs, 1.0), 1.0)
+    return _tempered(pairs, by_box, by_size, plain)
 
 
 def _in(pairs: Pairs, _: Parameters) -> Floats:
@@ -261,64 +225,49 @@ def _in(pairs: Pairs, _: Parameters) -> Floats:
     height = np.minimum(pairs.box_a[:, 3], pairs.box_b[:, 3]) - np.maximum(
         pairs.box_a[:, 1], pairs.box_b[:, 1]
     )
-    inside = np.clip(width, 0, None) * np.clip(height, 0, None) / _area(pairs.box_a)
-    by_box = _step(inside, 0.75, 0.06) * (
-        1 - _step(_area(pairs.box_a) / _area(pairs.box_b), 0.8, 0.05)
+    inside = np.clip(width, 0, None) * np.clip(height, 0, None) / box_area(pairs.box_a)
+    by_box = soft_step(inside, 0.75, 0.06) * (
+        1 - soft_step(box_area(pairs.box_a) / box_area(pairs.box_b), 0.8, 0.05)
     )
-    half = np.where(np.isnan(pairs.width_b), REACH_M, pairs.width_b / 2)
-    return _box_or_place(pairs, by_box, _within(pairs, half))
-
-
-def _area(box: Floats) -> Floats:
-    return (box[:, 2] - box[:, 0]) * (box[:, 3] - box[:, 1])
+    half = np.where(np.isnan(pairs.extent_b[:, 0]), REACH_M, pairs.extent_b[:, 0] / 2)
+    return _box_or_place(pairs, by_box, within(pairs, half))
 
 
 def _left_of(pairs: Pairs, _: Parameters) -> Floats:
     half_widths = (
         pairs.box_a[:, 2] - pairs.box_a[:, 0] + pairs.box_b[:, 2] - pairs.box_b[:, 0]
     ) / 4
-    by_box = normal_cdf((_centre(pairs.box_b) - _centre(pairs.box_a))[:, 0] / half_widths)
-    side = ((pairs.position_b - pairs.position_a) * _axis(pairs.viewer, 0)).sum(axis=1)
+    by_box = normal_cdf((box_middle(pairs.box_b) - box_middle(pairs.box_a))[:, 0] / half_widths)
+    side = ((pairs.position_b - pairs.position_a) * camera_axis(pairs.viewer, 0)).sum(axis=1)
     by_place = normal_cdf(side / pairs.sigma)
-    return np.where(pairs.shared, by_box, by_place) * _known(_within(pairs, SIDE_M))
+    return np.where(pairs.shared, by_box, by_place) * as_factor(within(pairs, SIDE_M))
 
 
 def _right_of(pairs: Pairs, parameters: Parameters) -> Floats:
-    return _left_of(_swapped(pairs), parameters)
-
-
-def _swapped(pairs: Pairs) -> Pairs:
-    return Pairs(
-        pairs.position_b,
-        pairs.position_a,
-        pairs.sigma,
-        pairs.box_b,
-        pairs.box_a,
-        pairs.viewer,
-        pairs.width_b,
-    )
+    return _left_of(swapped(pairs), parameters)
 
 
 def _in_front_of(pairs: Pairs, _: Parameters) -> Floats:
-    nearer = ((pairs.position_b - pairs.position_a) * _axis(pairs.viewer, 2)).sum(axis=1)
-    by_place = np.where(np.isnan(_distance(pairs)), np.nan, normal_cdf(nearer / pairs.sigma))
+    nearer = ((pairs.position_b - pairs.position_a) * camera_axis(pairs.viewer, 2)).sum(axis=1)
+    by_place = np.where(np.isnan(distance_of(pairs)), np.nan, normal_cdf(nearer / pairs.sigma))
     height = np.minimum(
         pairs.box_a[:, 3] - pairs.box_a[:, 1], pairs.box_b[:, 3] - pairs.box_b[:, 1]
     )
     # things stand on a common floor or top: what is nearer ends lower in the picture
     by_box = normal_cdf((pairs.box_a[:, 3] - pairs.box_b[:, 3]) / (0.5 * height))
     front = np.where(np.isnan(by_place), by_box, by_place)
-    aligned = np.where(pairs.shared, _step(_overlap_x(pairs), 0.15, 0.08), 1.0)
-    return front * aligned * _known(_within(pairs, SIDE_M))
+    aligned = np.where(pairs.shared, soft_step(overlap_x(pairs), 0.15, 0.08), 1.0)
+    return front * aligned * as_factor(within(pairs, SIDE_M))
 
 
 def _behind(pairs: Pairs, parameters: Parameters) -> Floats:
-    return _in_front_of(_swapped(pairs), parameters)
+    return _in_front_of(swapped(pairs), parameters)
 
 
 def _same_place(pairs: Pairs, parameters: Parameters) -> Floats:
     here = np.linalg.norm(pairs.position_a - pairs.position_b, axis=1)
-    return normal_cdf((parameters.d_thresh_m - here) / pairs.sigma)
+    beside = as_factor(beside_within(pairs, parameters.d_thresh_m))
+    return normal_cdf((parameters.d_thresh_m - here) / pairs.sigma) * beside
 
 
 def _between_alone(pairs: Pairs, parameters: Parameters) -> Floats:

@@ -102,6 +102,17 @@ def test_a_given_position_is_kept_and_gets_a_covariance() -> None:
     assert geometry.locate(own, None, CAMERA, None, DEFAULT) is own
 
 
+def test_a_given_position_tells_how_large_a_thing_is() -> None:
+    whole = Detection("cup", 0.9, (10, 10, 30, 20), position=(2.0, 0.0, 0.0))
+    placed = geometry.locate(whole, Pose((0, 0, 0), FORWARD), CAMERA, None, DEFAULT)
+    assert placed.extent_m == pytest.approx((20 * 2.0 / CAMERA.fx, 10 * 2.0 / CAMERA.fy))
+    for box, position in (((0, 10, 30, 20), (2.0, 0.0, 0.0)), ((10, 10, 30, 20), (-2.0, 0.0, 0.0))):
+        cut = Detection("cup", 0.9, box, position=position)  # by the edge; behind the camera
+        assert (
+            geometry.locate(cut, Pose((0, 0, 0), FORWARD), CAMERA, None, DEFAULT).extent_m is None
+        )
+
+
 def test_in_view_knows_edges_range_and_behind() -> None:
     pose = Pose((0, 0, 0), IDENTITY)
     points = np.array([[0, 0, 2], [0, 0, -2], [0, 0, 9], [1.25, 0, 2], [5, 0, 2]], float)

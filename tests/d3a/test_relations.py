@@ -10,11 +10,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from d3a.pairs import Pairs, normal_cdf, up_axis
 from d3a.parameters import DEFAULT
-from d3a.relations import Pairs, between, normal_cdf, probability, up_axis
+from d3a.relations import between, probability
 from grammar.forms import RELATION_KINDS, RelationKind
 
-NAN3, NAN4, NAN7 = (np.nan,) * 3, (np.nan,) * 4, (np.nan,) * 7
+NAN2, NAN3, NAN4, NAN7 = (np.nan,) * 2, (np.nan,) * 3, (np.nan,) * 4, (np.nan,) * 7
 Point = tuple[float, ...]
 FACING_X = (-3.0, 0.0, 1.0, -0.5, 0.5, -0.5, 0.5)
 """A camera 3 m back on the x axis that looks along +x: its right is -y, its down is -z."""
@@ -26,13 +27,27 @@ def pair(
     box_a: Point = NAN4,
     box_b: Point = NAN4,
     viewer: Point = NAN7,
-    width_b: float = np.nan,
+    size_a: Point = NAN2,
+    size_b: Point = NAN2,
     sigma: float = 0.1,
+    usual: bool = True,
 ) -> Pairs:
-    rows = (np.array([row], dtype=np.float64) for row in (a, b, box_a, box_b, viewer))
-    place_a, place_b, picture_a, picture_b, camera = rows
+    rows = (
+        np.array([row], dtype=np.float64) for row in (a, b, box_a, box_b, viewer, size_a, size_b)
+    )
+    place_a, place_b, picture_a, picture_b, camera, extent_a, extent_b = rows
+    sigmas = np.array([sigma])
     return Pairs(
-        place_a, place_b, np.array([sigma]), picture_a, picture_b, camera, np.array([width_b])
+        place_a,
+        place_b,
+        sigmas,
+        picture_a,
+        picture_b,
+        camera,
+        extent_a,
+        extent_b,
+        sigmas,
+        np.array([usual]),
     )
 
 
@@ -191,3 +206,55 @@ def test_pairs_are_judged_row_by_row() -> None:
     assert p[0] == pytest.approx(holds("on", one))
     assert math.isnan(p[1])
     assert len(both) == 2
+
+
+CUP, CHAIR, COUCH, TABLE_SIZE = (0.1, 0.1), (0.5, 0.9), (1.9, 0.9), (1.2, 0.8)
+
+
+@pytest.mark.parametrize(
+    ("kind", "figure", "ground", "size_a", "size_b", "usual", "expected"),
+    [
+        ("on", (2.0, 0.4, 0.85), (2.0, 0.0, 0.4), CUP, TABLE_SIZE, True, True),
+        ("on", (2.0, 0.5, 0.5), (2.0, 0.0, 0.45), CUP, COUCH, True, True),  # on its seat
+        ("on", (1.1, 0.0, 0.5), (2.0, 0.0, 0.45), CUP, COUCH, True, False),  # before it
+        ("on", (2.0, 0.6, 0.85), (2.0, 0.0, 0.4), CUP, CHAIR, False, False),  # on the next table
+        ("on", (2.0, 0.0, 0.05), (2.0, 0.0, 0.4), CUP, TABLE_SIZE, True, False),
+        ("on", (2.0, 0.0, 1.5), (2.0, 0.0, 0.4), CUP, TABLE_SIZE, True, False),
+        ("under", (2.0, 0.2, 0.1), (2.0, 0.0, 0.4), CUP, TABLE_SIZE, True, True),
+        ("under", (2.0, 0.2, 0.45), (2.0, 0.0, 0.45), CUP, COUCH, True, False),
+        ("under", (1.8, 0.0, 0.8), (2.0, 0.0, 0.95), CUP, (0.6, 0.4), False, False),  # before a tv
+        ("under", (2.0, 0.0, 0.4), (2.0, 0.0, 0.95), CUP, (0.6, 0.4), False, True),
+        ("above", (2.0, 0.2, 1.4), (2.0, 0.0, 0.4), CUP, TABLE_SIZE, True, True),
+        ("above", (2.0, 0.2, 0.5), (2.0, 0.0, 0.45), CUP, COUCH, True, False),
+    ],
+)
+def test_measured_things(
+    kind: RelationKind,
+    figure: Point,
+    ground: Point,
+    size_a: Point,
+    size_b: Point,
+    usual: bool,
+    expected: bool,
+) -> None:
+    one = pair(
+        figure, ground, viewer=FACING_X, size_a=size_a, size_b=size_b, usual=usual, sigma=0.08
+    )
+    assert (holds(kind, one) > 0.5) is expected
+
+
+def test_a_table_that_is_mostly_hidden_still_carries_what_is_beside_its_box() -> None:
+    boxes = (40.0, 80.0, 50.0, 100.0), (60.0, 100.0, 100.0, 180.0)
+    one = pair((2, 0.4, 0.85), (2, 0, 0.4), *boxes, FACING_X, (0.1, 0.2), (1.2, 0.8), sigma=0.08)
+    assert holds("on", one) > 0.5
+
+
+def test_things_apart_in_one_picture_are_apart_whatever_the_places_say() -> None:
+    close = (2.0, 0.1, 0.5), (2.0, 0.0, 0.5)
+    boxes = (0.0, 100.0, 50.0, 150.0), (500.0, 100.0, 550.0, 150.0)  # ten widths of 0.1 m apart
+    assert holds("same_place", pair(*close, sigma=0.3)) > 0.7
+    apart = pair(*close, *boxes, NAN7, (0.1, 0.1), (0.1, 0.1), sigma=0.3)
+    assert holds("same_place", apart) < 0.05
+    cut = (500.0, 100.0, 501.0, 150.0)  # most of the other is beyond the picture
+    hidden = pair(*close, boxes[0], cut, NAN7, (0.1, 0.1), (1.9, 0.1), sigma=0.3)
+    assert holds("same_place", hidden) > 0.7

@@ -1,0 +1,307 @@
+"""Measure every relation on simulated worlds: precision and recall against their solids.
+
+    python -m tests.bench.bench_relations [--hours 3] [--seeds 0 1] [--conditions nominal]
+
+A world is written and ingested, and every pair of its objects is related by the planner's own
+joins. near, on and under are true as truth.jsonl has them; above, together, same place and the
+sides follow from the solids and the robot's true poses, which are those of the noiseless recording
+of the same seed. What is judged is a pair of stays that were both detected in one frame (for sides
+a pair in its keyframe), so that what nobody could see is no miss. A pair whose sides are within
+`EVEN` of each other is left out: nobody could say. Goals: 0.9 noiseless, 0.75 nominal.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+import tempfile
+from collections import defaultdict
+from collections.abc import Iterator
+from contextlib import closing
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from assistant.lexicon import VocabularyLexicon
+from d3a.facts import Facts
+from d3a.ingest import ingest
+from d3a.joins import HOLDS, SYMMETRIC, Link, relate
+from d3a.match import Candidate
+from d3a.model import Box
+from d3a.moments import Found
+from d3a.parameters import DEFAULT, Parameters
+from d3a.readers.opening import open_source
+from d3a.relations import SIDE_M
+from d3a.simulate import simulate
+from d3a.store import open_store
+from d3a.store.base import Store
+from d3a.truth import Truth, place_at, read_truth
+from grammar.forms import RelationKind
+
+GOALS = {"noiseless": 0.9, "nominal": 0.75}
+GIVEN: tuple[RelationKind, ...] = ("near", "on", "under")
+DERIVED: tuple[RelationKind, ...] = ("above", "together", "same_place")
+SIDES: tuple[RelationKind, ...] = ("left_of", "right_of", "in_front_of", "behind")
+EVEN_M = 0.1
+TOUCHING_M = 0.02
+"""Rounding of the truth: a thing stands on a top that is this far off."""
+Stay = tuple[int, int]
+"""A true object and which of its places."""
+
+
+def box_key(frame: str, box: Box) -> tuple[str, tuple[float, ...]]:
+    """Return what names a detection in a keyframe: its frame and its box to a tenth of a pixel."""
+    return frame, tuple(round(float(v), 1) for v in box)
+
+
+@dataclass(frozen=True, slots=True)
+class Solid:
+    """Centre and size of a true object at one of its places, metres."""
+
+    centre: tuple[float, float, float]
+    size: tuple[float, float, float]
+
+    @property
+    def top(self) -> float:
+        """Return the height of its top."""
+        return self.centre[2] + self.size[2] / 2
+
+    @property
+    def bottom(self) -> float:
+        """Return the height of its underside."""
+        return self.centre[2] - self.size[2] / 2
+
+
+class World:
+    """What is true of one recording, and which true stay each stored box shows."""
+
+    def __init__(self, folder: Path, poses: dict[str, list[float]]) -> None:
+        self.truth: Truth = read_truth(folder)
+        self.poses = poses
+        records = [json.loads(line) for line in (folder / "truth.jsonl").open(encoding="utf-8")]
+        self.sizes = [tuple(record["size"]) for record in records]
+        self.numbers = {one.name: k for k, one in enumerate(self.truth.objects)}
+        self.rows = {
+            box_key(frame, tuple(box)): row
+            for row, (frame, box) in enumerate(
+                zip(self.truth.frame, self.truth.box.tolist(), strict=True)
+            )
+        }
+        self.together = self._detected_together()
+
+    def _detected_together(self) -> set[tuple[Stay, Stay]]:
+        """Return every ordered pair of true stays that one frame shows."""
+        shown: dict[str, set[Stay]] = defaultdict(set)
+        for row, frame in enumerate(self.truth.frame):
+            place = self.truth.place_of(row)
+            if place is not None:
+                shown[frame].add((int(self.truth.owner[row]), place))
+        return {(a, b) for stays in shown.values() for a in stays for b in stays if a[0] != b[0]}
+
+    def stay_of(self, frame: str, box: Box) -> Stay | None:
+        """Return the true stay that a stored box shows, None for a mistake of the detector."""
+        row = self.rows.get(box_key(frame, box))
+        place = self.truth.place_of(row) if row is not None else None
+        return None if row is None or place is None else (int(self.truth.owner[row]), place)
+
+    def solid(self, stay: Stay) -> Solid:
+        """Return the solid of a true stay."""
+        centre = self.truth.objects[stay[0]].places[stay[1]].position
+        width, depth, height = self.sizes[stay[0]]
+        return Solid(centre, (width, depth, height))
+
+    def given(self, kind: str, a: Stay, b: Stay) -> bool:
+        """Return whether truth.jsonl has the relation while b was at its place."""
+        places = self.truth.objects[b[0]].places
+        name = self.truth.objects[b[0]].name
+        rows = self.truth.objects[a[0]].places[a[1]].relations
+        return any(
+            row.kind == kind and row.object == name and place_at(places, row.start_ms) == b[1]
+            for row in rows
+        )
+
+    def derived(self, kind: str, a: Stay, b: Stay) -> bool:
+        """Return whether the solids say so."""
+        one, other = self.solid(a), self.solid(b)
+        apart = np.linalg.norm(np.subtract(one.centre, other.centre))
+        if kind == "together":
+            return (a, b) in self.together or bool(apart <= DEFAULT.together_m)
+        if kind == "same_place":
+            return bool(apart <= DEFAULT.d_thresh_m)
+        over = np.abs(np.subtract(one.centre, other.centre))[:2] <= np.array(other.size[:2]) / 2
+        return bool(over.all()) and one.bottom >= other.top - TOUCHING_M
+
+    def side(self, kind: str, a: Stay, b: Stay, frame: str) -> bool | None:
+        """Return whether a is on that side of b in a frame, None where nobody could say."""
+        x, y, _, qx, qy, qz, qw = self.poses[frame]
+        right = np.array([1 - 2 * (qy * qy + qz * qz), 2 * (qx * qy + qz * qw)])
+        ahead = np.array([2 * (qx * qz + qy * qw), 2 * (qy * qz - qx * qw)])
+        one, other = (np.array(self.solid(stay).centre[:2]) for stay in (a, b))
+        if np.linalg.norm(one - other) > SIDE_M:
+            return False
+        depth = [float(ahead @ (p - (x, y))) for p in (one, other)]
+        bearing = [
+            float(right @ (p - (x, y))) / d for p, d in zip((one, other), depth, strict=True)
+        ]
+        if kind in ("left_of", "right_of"):
+            gap = (bearing[1] - bearing[0]) * min(depth)  # metres to the left, where the nearer is
+            return None if abs(gap) < EVEN_M else (gap > 0) is (kind == "left_of")
+        shown = [float(np.abs(right) @ self.sizes[stay[0]][:2]) for stay in (a, b)]  # widths
+        half = [width / 2 / d for width, d in zip(shown, depth, strict=True)]
+        gap = abs(bearing[0] - bearing[1]) - sum(half)
+        nearer = depth[1] - depth[0]
+        if abs(nearer) < EVEN_M or abs(gap) < EVEN_M / max(depth):
+            return None
+        return gap < 0 and (nearer > 0) is (kind == "in_front_of")
+
+
+@dataclass
+class Tally:
+    """Right, wrong and missed of one relation."""
+
+    right: int = 0
+    wrong: int = 0
+    missed: int = 0
+
+    @property
+    def precision(self) -> float:
+        """Return the share of what is said that is true."""
+        return self.right / (self.right + self.wrong) if self.right + self.wrong else float("nan")
+
+    @property
+    def recall(self) -> float:
+        """Return the share of what is true that is said."""
+        return self.right / (self.right + self.missed) if self.right + self.missed else float("nan")
+
+
+def stays_of(world: World, link: Link) -> tuple[Stay | None, Stay | None, str]:
+    """Return the true stays that a link's boxes show, and its frame."""
+    if link.encounter is not None:
+        frame = link.encounter.frame
+        a, b = link.boxes()
+        return world.stay_of(frame, a), world.stay_of(frame, b), frame
+    assert link.sightings is not None
+    one, other = link.sightings
+    return world.stay_of(one.frame, one.box), world.stay_of(other.frame, other.box), one.frame
+
+
+def everything(store: Store) -> Found:
+    """Return all confirmed objects with all of their sightings."""
+    facts = Facts(store)
+    records = [r for r in store.objects(embeddings=False) if not r.tentative]
+    found = Found({record.object_id: Candidate(record, 1.0) for record in records})
+    found.sightings = facts.sightings(found.ids, None, None)
+    found.stays = facts.stays(found.ids)
+    return found
+
+
+def judged(
+    world: World, store: Store, parameters: Parameters
+) -> Iterator[tuple[RelationKind, Tally]]:
+    """Yield each relation with its tally."""
+    found = everything(store)
+    encounters = store.encounters()
+    for kind in (*GIVEN, *DERIVED, *SIDES):
+        once = kind in SYMMETRIC
+        usual = Facts(store).usual_grounds(kind, VocabularyLexicon())
+        related = relate(kind, found, found, encounters, parameters, once=once, usual=usual)
+        pairs = [
+            (link, bool(p >= HOLDS))
+            for link, p in zip(related.links, related.probability, strict=True)
+        ]
+        yield kind, _sides(world, kind, pairs) if kind in SIDES else _stays(world, kind, pairs)
+
+
+def _sides(world: World, kind: RelationKind, pairs: list[tuple[Link, bool]]) -> Tally:
+    tally = Tally()
+    for link, said in pairs:
+        a, b, frame = stays_of(world, link)
+        if link.encounter is None or a is None or b is None or a[0] == b[0]:
+            continue
+        true = world.side(kind, a, b, frame)
+        if true is not None:
+            _count(tally, said=said, true=true)
+    return tally
+
+
+def _stays(world: World, kind: RelationKind, pairs: list[tuple[Link, bool]]) -> Tally:
+    said: set[tuple[Stay, Stay]] = set()
+    mistaken = 0
+    for link, holds in pairs:
+        a, b, _ = stays_of(world, link)
+        if not holds:
+            continue
+        if a is None or b is None:
+            mistaken += 1
+        elif a[0] != b[0]:
+            said.add((a, b))
+    if kind in SYMMETRIC:
+        said |= {(b, a) for a, b in said}
+    true_of = world.given if kind in GIVEN else world.derived
+    tally = Tally(wrong=mistaken)
+    for pair in sorted(said | world.together):
+        _count(tally, said=pair in said, true=true_of(kind, *pair))
+    return tally
+
+
+def _count(tally: Tally, *, said: bool, true: bool) -> None:
+    tally.right += said and true
+    tally.wrong += said and not true
+    tally.missed += true and not said
+
+
+def main() -> None:
+    """Print a table a condition."""
+    options = argparse.ArgumentParser(description=__doc__)
+    options.add_argument("--hours", type=float, default=3.0)
+    options.add_argument("--seeds", type=int, nargs="+", default=[0, 1, 2, 3])
+    options.add_argument("--conditions", nargs="+", default=list(GOALS))
+    given = options.parse_args()
+    total: dict[tuple[str, RelationKind], Tally] = defaultdict(Tally)
+    for seed in given.seeds:
+        with tempfile.TemporaryDirectory() as folder:
+            for condition, kind, tally in measured(
+                Path(folder), given.hours, seed, given.conditions
+            ):
+                sums = total[condition, kind]
+                sums.right += tally.right
+                sums.wrong += tally.wrong
+                sums.missed += tally.missed
+    for condition in given.conditions:
+        goal = GOALS.get(condition)
+        say(f"{condition}, {given.hours:g} h, seeds {given.seeds}, goal {goal}")
+        say("  relation       precision  recall   true   said")
+        for (of, kind), tally in total.items():
+            if of == condition:
+                true, told = tally.right + tally.missed, tally.right + tally.wrong
+                line = f"  {kind:13s} {tally.precision:10.2f} {tally.recall:7.2f}"
+                say(f"{line} {true:6d} {told:6d}")
+
+
+def measured(
+    folder: Path, hours: float, seed: int, conditions: list[str]
+) -> Iterator[tuple[str, RelationKind, Tally]]:
+    """Yield the tallies of a seed's world under each condition."""
+    still = folder / "true"
+    simulate(still, hours=hours, seed=seed, condition="noiseless", depth=False)
+    frames = [json.loads(line) for line in (still / "frames.jsonl").open(encoding="utf-8")]
+    poses = {frame["frame"]: frame["pose"] for frame in frames}
+    for condition in conditions:
+        recording = folder / condition
+        simulate(recording, hours=hours, seed=seed, condition=condition)
+        with closing(open_store(str(folder / f"{condition}.db"))) as store:
+            ingest(open_source(recording), store, DEFAULT)
+            world = World(recording, poses)
+            for kind, tally in judged(world, store, DEFAULT):
+                yield condition, kind, tally
+
+
+def say(line: str) -> None:
+    """Write a line of the report."""
+    sys.stdout.write(line + "\n")
+
+
+if __name__ == "__main__":
+    main()
