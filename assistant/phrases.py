@@ -154,6 +154,8 @@ def where_words(keyframe: RankedKeyframe, query: FormalQuery) -> str:
     if not keyframe.place and not keyframe.near and keyframe.beyond is not None:
         landmark, metres = keyframe.beyond
         parts.append(f"about {_metres(metres)} from the {landmark}")
+    if keyframe.vague and not _is_named(keyframe.vague, query):
+        parts.append(f"somewhere near the {keyframe.vague}")
     return ", ".join(parts)
 
 

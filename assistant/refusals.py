@@ -35,13 +35,20 @@ def refusal_words(answer: Answer, query: FormalQuery, now: datetime) -> str:
     if answer.reason == "empty":
         return "My memory is empty: nothing was stored yet."
     if answer.status == "unknown_object":
-        return opening + _unknown(answer, query, term)
+        return opening + _unknown(answer, query, term) + _last_look(answer, query, now)
     if answer.reason == "gone" and query.select == "last" and query.ask != "where":
         return sentence_case(f"{opening}{_not_any_more(answer, query, now)}")
     none, condition = _none_of(answer, query, term), condition_words(answer, query)
     told = f"{opening}I never saw {none}{condition}."
     time = f" {slice_words(query.time, now)}" if query.time else ""
-    if query.ask in ("moved", "missing"):
+    refused = answer.otherwise.why.get("refused") if answer.otherwise is not None else None
+    if answer.looked_then is False and answer.reason in ("not_then", "not_there"):
+        told = f"I was not looking{_into(answer, query)}{time}, so I cannot tell."
+    elif query.ask in ("moved", "missing") and answer.looked_then is False:
+        told = f"I was not looking{time}, so I cannot tell."
+    elif refused:
+        told = f"{opening}{_none_like_it(answer, query, refused, now)}"
+    elif query.ask in ("moved", "missing"):
         verb = "moved" if query.ask == "moved" else "is missing"
         told = f"As far as I saw, nothing {verb}{time}."
     elif answer.reason in ("not_then", "not_there"):
@@ -51,12 +58,34 @@ def refusal_words(answer: Answer, query: FormalQuery, now: datetime) -> str:
         verb = "were" if said_many(query, term) else "was"
         words = definite(term, numbered(query, term, answer.unjudged))
         told = f"{opening}I looked again and {words} {verb} gone."
-    if answer.otherwise is not None:
+    if answer.otherwise is not None and not refused:
         told += f" {_instead(answer.otherwise, answer, query, now)}"
-    elif answer.last_looked is not None:
-        there = f"in the {query.place} " if query.place and not answer.unjudged else ""
-        told += f" I last looked {there}{when(answer.last_looked, now)}."
+    if answer.otherwise is None or answer.reason == "not_then":
+        told += _last_look(answer, query, now)
     return sentence_case(told)
+
+
+def _last_look(answer: Answer, query: FormalQuery, now: datetime) -> str:
+    if answer.last_looked is None:
+        return ""
+    return f" I last looked{_into(answer, query)} {when(answer.last_looked, now)}."
+
+
+def _into(answer: Answer, query: FormalQuery) -> str:
+    return f" in the {query.place}" if query.place and not answer.unjudged else ""
+
+
+def _none_like_it(answer: Answer, query: FormalQuery, refused: list[str], now: datetime) -> str:
+    """Return what was seen of the word, and that none of it had the attributes asked for."""
+    other = answer.otherwise
+    assert other is not None
+    looks = listed([word for word in refused if not word.startswith("not ")])
+    unlike = listed([word.removeprefix("not ") for word in refused if word.startswith("not ")])
+    missed = f"looked {looks}" if looks else f"did not look {unlike}"
+    where = where_words(other, query)
+    there = f", {where}" if where else ""
+    told = f"I saw {article(kind_of(other))}, but none that {missed}."
+    return f"{told} I last saw one {when(other.end, now)}{there}."
 
 
 def _none_of(answer: Answer, query: FormalQuery, term: ObjectTerm) -> str:
@@ -98,7 +127,9 @@ def _instead(other: RankedKeyframe, answer: Answer, query: FormalQuery, now: dat
         return f"I did see {article(kind_of(other))} {when(other.end, now)}{there}."
     many = said_many(query, term_of(query))
     pronoun = "some" if many else "one"
-    if term_of(query).owner or query.ask in _OF_A_KNOWN_THING:  # a thing they know
+    if term_of(query).category == ANYTHING:
+        pronoun = article(kind_of(other))
+    elif term_of(query).owner or query.ask in _OF_A_KNOWN_THING:  # a thing they know
         pronoun = "them" if many else "it"
     opening = "I saw" if answer.reason == "not_then" else "I last saw"
     return f"{opening} {pronoun} {when(other.end, now)}{there}."

@@ -109,6 +109,8 @@ def _whether(answer: Answer, query: FormalQuery, now: datetime) -> str:
     else:
         number = places_of(heads)
         spread = counted(number, "place")
+        further = places_of(heads_of(answer)) - number  # the table lists them too
+        spread += f", maybe in {NUMBERS[further] if further < 11 else further} more" * bool(further)
         more = f"{times(len(heads))}{' or more' if answer.truncated else ''}"
         told = f"{opening} I saw {thing}{condition} {more} in {spread}, last {said}{where}."
     return f"{told} {gone_words(newest, now, many=many)}".strip()
@@ -328,7 +330,7 @@ def _sureness(answer: Answer, query: FormalQuery) -> str:
     close = [k for k in rivals if k.score >= 0.8 * best.score]
     if query.ask == "where" and close:
         return _others(len({k.object_id for k in close}), said_many(query, term_of(query)))
-    return f"{said}: seen {times(views)}."
+    return f"{said}: seen in {counted(views, 'picture')}."
 
 
 def _others(number: int, many: bool) -> str:

@@ -24,7 +24,8 @@ class RankedKeyframe:
     frame: the recording's name; image: the key of the stored picture. box: pixels of that frame.
     start, end: the sighting's closed interval, in the home's zone. group: the moment of a relation.
     beyond: the nearest landmark and its distance in metres where none is `near`, for the sentence;
-    not part of the record.
+    not part of the record. vague: a landmark as far off as the position is uncertain, where that
+    is too uncertain to be told as `near`; for the sentence too.
     """
 
     rank: int
@@ -45,6 +46,7 @@ class RankedKeyframe:
     why: Json = field(default_factory=dict)
     group: int | None = None
     beyond: tuple[str, float] | None = None
+    vague: str | None = None
 
     def to_json(self) -> Json:
         """Return the keyframe's record, every field present."""
@@ -75,7 +77,9 @@ class Answer:
 
     count: distinct objects that match, before the limit. value: the number asked for (objects,
     seconds, sightings). otherwise: the nearest true keyframe outside of the asked slice or place.
-    unjudged: conditions this store cannot judge. elapsed_ms: parse, retrieve, rank, total.
+    unjudged: conditions this store cannot judge. looked_then: for a no about a slice, whether there
+    was any look then (into the asked room); for the sentence, not part of the record.
+    elapsed_ms: parse, retrieve, rank, total.
     """
 
     text: str = ""
@@ -90,6 +94,7 @@ class Answer:
     unjudged: tuple[str, ...] = ()
     suggestions: tuple[str, ...] = ()
     last_looked: datetime | None = None
+    looked_then: bool | None = None
     truncated: bool = False
     elapsed_ms: dict[str, float] = field(default_factory=dict)
     id: str | None = None

@@ -9,7 +9,7 @@ from datetime import datetime
 from d3a.answer import Answer, RankedKeyframe
 from d3a.model import Json
 from d3a.moments import Entry, Moment, total_ms
-from d3a.places import room_of
+from d3a.places import room_of, sigma_of
 from d3a.rank import Ranked, entry_score
 from d3a.run import Run, milliseconds
 
@@ -31,6 +31,7 @@ def conclude(run: Run, limit: int) -> Answer:
         suggestions=run.suggestions,
         message=run.message,
         last_looked=_moment(run, run.last_looked_ms),
+        looked_then=run.looked_then,
         truncated=truncated,
     )
 
@@ -89,7 +90,9 @@ def keyframe(
     assert start is not None
     assert end is not None
     landmark = run.near(entry)
-    near = landmark is not None and landmark[1] <= run.parameters.near_m
+    sure = sigma_of(stay) <= run.parameters.near_m
+    near = landmark is not None and sure and landmark[1] <= run.parameters.near_m
+    vague = landmark is not None and not sure and landmark[1] <= sigma_of(stay)
     return RankedKeyframe(
         rank=rank,
         score=score,
@@ -103,12 +106,13 @@ def keyframe(
         position=position,
         place=room_of(run.facts.regions(), position),
         near=landmark[0] if landmark is not None and near else None,
+        vague=landmark[0] if landmark is not None and vague else None,
         seen=sighting.seen,
         last_absent=_moment(run, gone),
         image=sighting.image,
         why=why,
         group=group,
-        beyond=None if near else landmark,
+        beyond=landmark if sure and not near else None,
     )
 
 
@@ -117,6 +121,8 @@ def _otherwise(run: Run) -> RankedKeyframe | None:
         return None
     entry = run.otherwise.figure
     score, why = entry_score(entry)
+    if run.refused:
+        why["refused"] = list(run.refused)
     return keyframe(run, run.otherwise, entry, 1, min(1.0, score), why)
 
 

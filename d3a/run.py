@@ -33,7 +33,8 @@ class Run:
     before_place, before_relation: by variable, the sightings that a place or relation sifted.
     unjudged: conditions left out, in the order of the question, none twice.
     rooms: by variable, the room that its noun names ("kitchen table"); plain: by variable, the
-    candidates that the noun means wherever they are.
+    candidates that the noun means wherever they are. refused: the attributes that `otherwise`
+    does not have. looked_then: see `Answer`.
     """
 
     query: FormalQuery
@@ -54,6 +55,8 @@ class Run:
     status: Status = "found"
     reason: Reason | None = None
     otherwise: Moment | None = None
+    refused: tuple[str, ...] = ()
+    looked_then: bool | None = None
     suggestions: tuple[str, ...] = ()
     message: str | None = None
     rank_step: Rank | None = None

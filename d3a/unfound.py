@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from d3a.moments import Found, Moment, single
+from d3a.places import last_look
 from d3a.plan import ExplainEmpty
 from d3a.rank import rank
 from d3a.run import Run, milliseconds
@@ -42,6 +43,10 @@ def _why(run: Run, step: ExplainEmpty, var: str) -> None:
     """Set the reason of a no for a variable whose word is known, and what to tell instead."""
     run.reason = "never"
     table = run.found[var]
+    run.looked_then = _looked_then(run, step)
+    if table.refused and not table.candidates:
+        _tell_refused(run, var)
+        return
     if run.query.ask in ("moved", "missing") or not table.candidates:
         return
     if table.gone:
@@ -57,6 +62,30 @@ def _why(run: Run, step: ExplainEmpty, var: str) -> None:
     if outside:
         run.reason = "not_then"
         run.otherwise = outside[0]
+
+
+def _tell_refused(run: Run, var: str) -> None:
+    """Tell the newest of what the word means, where none of it has the attributes asked for."""
+    table, term = run.found[var], run.term(var)
+    meant = Found({c.record.object_id: c for c in table.refused})
+    meant.stays = run.facts.stays(meant.ids)
+    run.otherwise = _newest(meant, run.store.edges(meant.ids, "last"))
+    run.refused = (*term.attributes, *(f"not {word}" for word in term.without))
+
+
+def _looked_then(run: Run, step: ExplainEmpty) -> bool | None:
+    """Return whether there was a look in the asked slice; None for a moment or for no slice.
+
+    Where a room is asked for and the poses are known, whether the look was into it.
+    """
+    if step.time is None or step.time.is_point:
+        return None
+    start, end = milliseconds(step.time.start), milliseconds(step.time.end)
+    views = run.store.views(start_ms=start, end_ms=None if end is None else end - 1)
+    region = run.region(step.place) if step.place is not None else None
+    if region is None or any(view.x is None for view in views):
+        return bool(views)
+    return last_look(views, region) is not None
 
 
 def _say_which(run: Run, var: str) -> None:

@@ -325,7 +325,7 @@ def test_the_chat_understands_follow_ups_through_a_pipe(run: Run, filled: str) -
     assert "You: and the bowl?" in result.stdout
     assert "1 of 1: bowl" in result.stdout
     assert "query   bowl(x)" in result.stdout  # why: of the query it became
-    assert "not see" in result.stdout.partition("You: what about yesterday?")[2]
+    assert "not looking" in result.stdout.partition("You: what about yesterday?")[2]
 
 
 def test_a_missing_store_says_which_and_what_would_do(run: Run) -> None:

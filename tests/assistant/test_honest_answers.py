@@ -42,3 +42,56 @@ def test_at_a_moment_within_a_sighting_the_answer_is_yes(two_rooms: Home) -> Non
 def test_at_a_moment_before_all_only_the_next_is_told(two_rooms: Home) -> None:
     said = told(two_rooms, "Did you see a cup at 4 am today?")
     assert said.startswith("I did not see a cup today at 4:00. I next saw one today at 12:00,")
+
+
+def test_a_day_without_a_look_is_not_told_as_absence(two_rooms: Home) -> None:
+    said = told(two_rooms, "Did you see a cup on 3 May 2024?")
+    assert said.startswith("I was not looking on Friday 3 May, so I cannot tell. I saw one today")
+    assert said.endswith("I last looked today at 15:30, 4 hours ago.")
+    assert told(two_rooms, "Has anything moved yesterday?").startswith("I was not looking yester")
+
+
+def test_a_room_that_was_not_looked_at_then_is_not_told_as_empty(two_rooms: Home) -> None:
+    two_rooms.views.clear()
+    two_rooms.look(5, 1, 1)
+    two_rooms.look(120, 6, 1)
+    question = "Did you see a cup in the kitchen between 1 pm and 3 pm today?"
+    said = told(two_rooms, question)
+    assert said.startswith("I was not looking in the kitchen between 13:00 and 15:00 today")
+    two_rooms.look(90, 1, 1)
+    said = told(two_rooms, question)
+    assert said.startswith("I did not see a cup between 13:00 and 15:00 today.")
+
+
+def test_a_refused_colour_is_told_with_what_was_seen(two_rooms: Home) -> None:
+    store = OracleStore()
+    two_rooms.into(store)
+    answer = ask(store, "Where is the purple cup?", now=NOW)
+    assert (answer.status, answer.keyframes) == ("not_found", ())
+    assert answer.otherwise is not None
+    assert answer.otherwise.place == "living room"
+    assert answer.answer.startswith("I saw a cup, but none that looked purple. I last saw one tod")
+
+
+@pytest.mark.parametrize(
+    ("sigma", "near", "words"),
+    [(0.05, "couch", ", next to the couch"), (2.0, None, ", somewhere near the couch")],
+)
+def test_no_landmark_of_an_uncertain_position(
+    two_rooms: Home, sigma: float, near: str | None, words: str
+) -> None:
+    two_rooms.thing("couch", "couch", paint="green")
+    two_rooms.seen("couch", 200, 220, at=(6.5, 1, 1))
+    two_rooms.thing("key", "key")
+    two_rooms.seen("key", 205, 215, at=(6.2, 1, 1), sigma=sigma)
+    store = OracleStore()
+    two_rooms.into(store)
+    answer = ask(store, "Did you see a key?", now=NOW)
+    assert answer.keyframes[0].near == near
+    assert words in answer.answer
+
+
+def test_what_was_seen_instead_of_anything_has_its_name(two_rooms: Home) -> None:
+    two_rooms.look(300, 1, 1)
+    said = told(two_rooms, "What did you see between 4 pm and 6 pm today?")
+    assert "I did not see anything between 16:00 and 18:00 today. I saw a cup" in said

@@ -56,20 +56,20 @@ def home() -> OracleStore:
 SAID = {
     "Did you see a red cup?": (
         "Yes. I saw a red cup today at 12:30, 6 hours ago, in the kitchen, next to the dining "
-        "table. I am fairly sure: seen five times."
+        "table. I am fairly sure: seen in five pictures."
     ),
     "Where is the blue cup?": (
-        "In the living room, next to the couch. I last saw the blue cup there today at 15:30, "
-        "4 hours ago. I am fairly sure: seen five times."
+        "In the living room, next to the couch. I last saw the blue cup there today at 15:30, 4 "
+        "hours ago. I am fairly sure: seen in five pictures."
     ),
     "Where is Anna's key?": (
         "In the living room, next to the couch. I last saw Anna's key there yesterday at 12:00, "
-        "31 hours ago. I am fairly sure: seen five times."
+        "31 hours ago. I am fairly sure: seen in five pictures."
     ),
     "Where is the bowl?": (
         "When I looked there again today at 13:40, it was gone. In the kitchen, next to the "
         "dining table. I last saw the bowl there today at 12:30, 6 hours ago. I am fairly sure: "
-        "seen five times."
+        "seen in five pictures."
     ),
     "Is there a bowl on the dining table?": (
         "No, not any more. I last saw the bowl today at 12:30, 6 hours ago, in the kitchen. When "
@@ -77,7 +77,8 @@ SAID = {
     ),
     "Was there a bowl on the dining table?": (
         "Yes. I saw a bowl on the dining table today at 12:30, 6 hours ago, in the kitchen. When "
-        "I looked there again today at 13:40, it was gone. I am fairly sure: seen five times."
+        "I looked there again today at 13:40, it was gone. I am fairly sure: seen in five "
+        "pictures."
     ),
     "Is there no bowl on the dining table?": (
         "That is right: I last saw the bowl today at 12:30, 6 hours ago, in the kitchen. When I "
@@ -86,7 +87,7 @@ SAID = {
     "Was there no bowl on the dining table?": (
         "No, there was: I saw a bowl on the dining table today at 12:30, 6 hours ago, in the "
         "kitchen. When I looked there again today at 13:40, it was gone. I am fairly sure: seen "
-        "five times."
+        "in five pictures."
     ),
     "Is the blue cup in the kitchen?": (
         "No, not any more. I last saw the blue cup today at 15:30, 4 hours ago, in the living "
@@ -94,15 +95,15 @@ SAID = {
     ),
     "Is the red cup in the kitchen?": (
         "Yes. I last saw a red cup in the kitchen today at 12:30, 6 hours ago, next to the dining "
-        "table. I am fairly sure: seen five times."
+        "table. I am fairly sure: seen in five pictures."
     ),
     "Where are Anna's keys?": (
         "In the living room, next to the couch. I last saw Anna's keys there yesterday at 12:00, "
-        "31 hours ago. I am fairly sure: seen five times."
+        "31 hours ago. I am fairly sure: seen in five pictures."
     ),
     "Did you see keys today?": (
         "I did not see keys today. I saw some yesterday at 12:00, 31 hours ago, in the living "
-        "room, next to the couch."
+        "room, next to the couch. I last looked today at 15:40, 3 hours ago."
     ),
     "Where were my glasses an hour ago?": (
         "I looked again and your glasses were gone. I last saw them today at 15:30, 4 hours ago, "
@@ -111,7 +112,7 @@ SAID = {
     "Did you see glasses?": (
         "Yes. I saw a pair of glasses today at 15:30, 4 hours ago, in the living room, next to "
         "the couch. When I looked there again today at 15:45, they were gone. I am fairly sure: "
-        "seen five times."
+        "seen in five pictures."
     ),
     "Is anything missing?": (
         "Two things are no longer in place: the bowl, last seen in the kitchen, next to the "
@@ -124,10 +125,11 @@ SAID = {
     "What was on the table in the kitchen?": (
         "I saw two cups and a bowl on the table in the kitchen, last today at 12:30, 6 hours ago."
     ),
-    "What is on the living room table?": ("I cannot tell what is “on the living room table” here."),
+    "What is on the living room table?": "I cannot tell what is “on the living room table” here.",
     "Is there a cup in the basement?": (
         "Yes. I last saw a cup today at 15:30, 4 hours ago, in the living room, next to the "
-        "couch. I am fairly sure: seen five times. I cannot tell what is “in the basement” here."
+        "couch. I am fairly sure: seen in five pictures. I cannot tell what is “in the basement” "
+        "here."
     ),
     "Is there no elephant?": (
         "That is right: I never saw an elephant. I last looked today at 15:40, 3 hours ago."
@@ -136,14 +138,17 @@ SAID = {
         "I never saw an elephant. I last looked today at 15:40, 3 hours ago."
     ),
     "Did you see a purple cup?": (
-        "I never saw a purple cup. I last looked today at 15:40, 3 hours ago."
+        "I saw a cup, but none that looked purple. I last saw one today at 15:30, 4 hours ago, in "
+        "the living room, next to the couch."
     ),
     "Did you see a wallet?": (
-        "I cannot recognise wallets: the detector of this memory has no such word."
+        "I cannot recognise wallets: the detector of this memory has no such word. I last looked "
+        "today at 15:40, 3 hours ago."
     ),
     "Did you see a red cup this morning?": (
-        "I did not see a red cup between 5:00 and 12:00 today. I saw one today at 12:30, 6 hours "
-        "ago, in the kitchen, next to the dining table."
+        "I was not looking between 5:00 and 12:00 today, so I cannot tell. I saw one today at "
+        "12:30, 6 hours ago, in the kitchen, next to the dining table. I last looked today at "
+        "15:40, 3 hours ago."
     ),
     "Did you see a red cup in the living room?": (
         "I did not see a red cup in the living room. I last saw one today at 12:30, 6 hours ago, "
@@ -159,8 +164,8 @@ SAID = {
     "Did you see three cups?": "No. I saw only two cups, last today at 15:30, 4 hours ago.",
     "Did you see a wooden cup?": (
         "Yes. I saw a cup three times in three places, last today at 15:30, 4 hours ago, in the "
-        "living room, next to the couch. I am fairly sure: seen five times. I cannot tell what "
-        "is “wooden” here."
+        "living room, next to the couch. I am fairly sure: seen in five pictures. I cannot tell "
+        "what is “wooden” here."
     ),
     "How long was the red cup in the kitchen?": (
         "About 30 minutes: that is how long I saw the red cup in the kitchen, last today at "
@@ -171,7 +176,7 @@ SAID = {
     ),
     "When was the red cup together with the bowl?": (
         "Today at 12:08, 7 hours ago, in the kitchen, next to the dining table. I saw the red cup "
-        "with the bowl once. I am fairly sure: seen five times."
+        "with the bowl once. I am fairly sure: seen in five pictures."
     ),
     "Where are the couch and the bowl?": (
         "I last saw the couch today at 15:40, 3 hours ago, in the living room. I last saw the "

@@ -79,7 +79,10 @@ def test_unknown_word_without_a_class_list(home: Home) -> None:
 def test_never_in_that_colour(home: Home) -> None:
     answer = run(home, whether(replace(CUP, attributes=("purple",))))
     assert (answer.status, answer.reason) == ("not_found", "never")
-    assert answer.otherwise is None
+    assert answer.keyframes == ()
+    assert answer.otherwise is not None
+    assert answer.otherwise.category == "cup"
+    assert answer.otherwise.why["refused"] == ["purple"]
 
 
 @pytest.mark.parametrize(
