@@ -195,7 +195,7 @@ class TrackerPipeline:
         for thing in missed:
             if thing.row < 0 or thing.seen >= parameters.confirm_sightings:
                 continue
-            missed_all = all(p.misses >= parameters.expire_chances for p in thing.places)
+            missed_all = all(p.evidence >= parameters.expire_odds for p in thing.places)
             if missed_all and not self._is_named(thing):
                 self._encounters.forget(thing.object_id)
                 self._ledger.remove_object(thing.object_id)
