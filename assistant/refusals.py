@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from datetime import datetime
 
-from assistant.english import article, listed, plural, sentence_case, slice_words, when
+from assistant.english import article, counted, listed, plural, sentence_case, slice_words, when
 from assistant.phrases import (
     condition_words,
     definite,
+    described,
     gone_words,
     indefinite,
     kind_of,
@@ -48,6 +49,10 @@ def refusal_words(answer: Answer, query: FormalQuery, now: datetime) -> str:
         told = f"I was not looking{time}, so I cannot tell."
     elif refused:
         told = f"{opening}{_none_like_it(answer, query, refused, now)}"
+    elif answer.apart:
+        things = definite(term, plural(described(term, answer.unjudged)))
+        spread = counted(answer.apart, "place")
+        told = f"I saw {things} in {spread}{time}. I cannot be sure that they are the same."
     elif query.ask in ("moved", "missing"):
         verb = "moved" if query.ask == "moved" else "is missing"
         told = f"As far as I saw, nothing {verb}{time}."

@@ -98,7 +98,14 @@ def _whether(answer: Answer, query: FormalQuery, now: datetime) -> str:
         words = counted(answer.count, described(term, answer.unjudged))
         if answer.count < term.quantity:
             return f"No. I saw only {words}{condition}, last {said}."
+        if answer.least < term.quantity:
+            least = counted(answer.least, described(term, answer.unjudged))
+            told = f"I cannot be sure: I saw at least {least}{condition}, last {said}"
+            return f"{told}. More that I saw may be the same at another place."
         thing = words
+        if answer.least < answer.count:
+            least = counted(answer.least, described(term, answer.unjudged))
+            return f"{opening} I saw at least {least}{condition}, last {said}."
     else:
         thing = indefinite(term, found_words(answer, query), many=many)
     where = where_words(newest, query)
@@ -261,6 +268,9 @@ def _what(answer: Answer, query: FormalQuery, now: datetime) -> str:
 def _count(answer: Answer, query: FormalQuery, now: datetime) -> str:
     words = described(term_of(query), answer.unjudged)
     said = sentence_case(counted(answer.count, words))
+    if answer.least < answer.count:
+        most = NUMBERS[answer.count] if answer.count < len(NUMBERS) else str(answer.count)
+        said = f"At least {counted(answer.least, words)} and at most {most}"
     newest = newest_of(answer)
     once = sum(1 for k in heads_of(answer) if "tentative" in k.why)
     unsure = f" {sentence_case(counted(once, words))} of them I saw only once." if once else ""
@@ -321,7 +331,7 @@ def _sureness(answer: Answer, query: FormalQuery) -> str:
     if query.ask not in ("whether", "where", "when") or query.select == "usual":
         return ""
     point = query.time is not None and query.time.is_point
-    if point or _is_open(query) or (quantity is not None and answer.count < quantity):
+    if point or _is_open(query) or (quantity is not None and answer.least < quantity):
         return ""
     views = int(best.why.get("views", best.seen))
     band = how_sure(best)

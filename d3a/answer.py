@@ -79,7 +79,9 @@ class Answer:
     seconds, sightings). otherwise: the nearest true keyframe outside of the asked slice or place.
     unjudged: conditions this store cannot judge. looked_then: for a no about a slice, whether there
     was any look then (into the asked room); for the sentence, not part of the record.
-    elapsed_ms: parse, retrieve, rank, total.
+    least: how many of `count` must be different things: a moved one may have got a new id.
+    apart: for a no about moving, at how many places things were seen then that may be one; both
+    for the sentence. elapsed_ms: parse, retrieve, rank, total.
     """
 
     text: str = ""
@@ -95,6 +97,8 @@ class Answer:
     suggestions: tuple[str, ...] = ()
     last_looked: datetime | None = None
     looked_then: bool | None = None
+    least: int = 0
+    apart: int = 0
     truncated: bool = False
     elapsed_ms: dict[str, float] = field(default_factory=dict)
     id: str | None = None

@@ -55,13 +55,21 @@ def moved(found: Found, when: Slice) -> list[Moment]:
 def missing(found: Found, when: Slice) -> list[Moment]:
     """Return the last sighting of each object whose place was seen without it, in the slice.
 
-    An object that was seen anywhere after that look is not missing.
+    An object that was seen anywhere after that look is not missing. Nor may it be where another
+    of its category turned up since it was seen last: a moved thing may have got a new id.
     """
     out: list[Moment] = []
-    for sightings in by_object(found.sightings).values():
+    objects = by_object(found.sightings)
+    newest: dict[str, int] = {}
+    for name, sightings in objects.items():
+        category = found.candidates[name].record.category
+        newest[category] = max(newest.get(category, 0), sightings[0].start_ms)
+    for name, sightings in objects.items():
         last = max(sightings, key=lambda s: (s.end_ms, s.start_ms))
         stay = found.stays.get(last.stay)
         absent = stay.last_absent_ms if stay is not None else None
+        if newest[found.candidates[name].record.category] > last.end_ms:
+            continue
         if absent is not None and absent > last.end_ms and when.holds(absent):
             out.append(single(found, last))
     return out

@@ -7,24 +7,29 @@ from dataclasses import replace
 from datetime import datetime
 
 from d3a.answer import Answer, RankedKeyframe
+from d3a.distinct import least_number
 from d3a.model import Json
 from d3a.moments import Entry, Moment, total_ms
 from d3a.places import room_of, sigma_of
 from d3a.rank import Ranked, entry_score
 from d3a.run import Run, milliseconds
+from d3a.store.base import Sighting
 
 
 def conclude(run: Run, limit: int) -> Answer:
     """Return the answer of a finished run, cut to `limit` keyframes, without its sentence."""
     keyframes, truncated = _keyframes(run, limit)
     objects = {one.moment.figure.sighting.object_id for one in run.ranked}
+    least = _least(run)
     return Answer(
         text=run.query.text,
         status=run.status,
         reason=run.reason,
         query=run.query,
         count=len(objects),
-        value=_value(run, len(objects)),
+        value=_value(run, least),
+        least=least,
+        apart=run.apart,
         keyframes=tuple(keyframes),
         otherwise=_otherwise(run),
         unjudged=tuple(run.unjudged),
@@ -126,10 +131,19 @@ def _otherwise(run: Run) -> RankedKeyframe | None:
     return keyframe(run, run.otherwise, entry, 1, min(1.0, score), why)
 
 
-def _value(run: Run, objects: int) -> float | None:
-    """Return the number asked for: objects, seconds, sightings."""
+def _least(run: Run) -> int:
+    """Return how many of the found objects must be different things, over their categories."""
+    of: dict[str, list[Sighting]] = {}
+    for one in run.ranked:
+        figure = one.moment.figure
+        of.setdefault(figure.candidate.record.category, []).append(figure.sighting)
+    return sum(least_number(sightings) for sightings in of.values())
+
+
+def _value(run: Run, least: int) -> float | None:
+    """Return the number asked for: objects that must be different, seconds, sightings."""
     if run.query.ask == "count":
-        return float(objects)
+        return float(least)
     if run.query.ask == "how_often":
         return float(len(run.ranked))
     if run.query.ask == "how_long":

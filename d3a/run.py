@@ -34,7 +34,7 @@ class Run:
     unjudged: conditions left out, in the order of the question, none twice.
     rooms: by variable, the room that its noun names ("kitchen table"); plain: by variable, the
     candidates that the noun means wherever they are. refused: the attributes that `otherwise`
-    does not have. looked_then: see `Answer`.
+    does not have. looked_then, apart: see `Answer`.
     """
 
     query: FormalQuery
@@ -57,6 +57,7 @@ class Run:
     otherwise: Moment | None = None
     refused: tuple[str, ...] = ()
     looked_then: bool | None = None
+    apart: int = 0
     suggestions: tuple[str, ...] = ()
     message: str | None = None
     rank_step: Rank | None = None

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from d3a.moments import Found, Moment, single
+from d3a.distinct import may_be_one
+from d3a.moments import Found, Moment, in_slice, single
 from d3a.places import last_look
 from d3a.plan import ExplainEmpty
 from d3a.rank import rank
 from d3a.run import Run, milliseconds
 from d3a.store.base import Sighting
-from grammar.forms import ObjectTerm
+from grammar.forms import ANYTHING, ObjectTerm
 
 
 def explain_empty(run: Run, step: ExplainEmpty) -> None:
@@ -47,6 +48,9 @@ def _why(run: Run, step: ExplainEmpty, var: str) -> None:
     if table.refused and not table.candidates:
         _tell_refused(run, var)
         return
+    if run.query.ask == "moved" and run.term(var).category != ANYTHING:
+        _seen_apart(run, step, var)
+        return
     if run.query.ask in ("moved", "missing") or not table.candidates:
         return
     if table.gone:
@@ -71,6 +75,16 @@ def _tell_refused(run: Run, var: str) -> None:
     meant.stays = run.facts.stays(meant.ids)
     run.otherwise = _newest(meant, run.store.edges(meant.ids, "last"))
     run.refused = (*term.attributes, *(f"not {word}" for word in term.without))
+
+
+def _seen_apart(run: Run, step: ExplainEmpty, var: str) -> None:
+    """Note at how many places the word's things were seen, where those may be one that moved."""
+    table, time = run.found[var], step.time
+    start, end = (milliseconds(time.start), milliseconds(time.end)) if time else (None, None)
+    inside = [s for s in table.sightings if in_slice(s, start, end)]
+    if may_be_one(inside):
+        run.apart = len({s.stay for s in inside})
+        run.otherwise = _newest(table, inside)
 
 
 def _looked_then(run: Run, step: ExplainEmpty) -> bool | None:

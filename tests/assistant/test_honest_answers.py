@@ -95,3 +95,48 @@ def test_what_was_seen_instead_of_anything_has_its_name(two_rooms: Home) -> None
     two_rooms.look(300, 1, 1)
     said = told(two_rooms, "What did you see between 4 pm and 6 pm today?")
     assert "I did not see anything between 16:00 and 18:00 today. I saw a cup" in said
+
+
+@pytest.fixture
+def carried() -> Home:
+    """Two cups in one round; later, elsewhere, one that may be either; keys likewise."""
+    home = Home(classes=("cup", "key"))
+    for name, start, x, absent in (("a", 0, 1, 95), ("b", 2, 2, None), ("c", 200, 6, None)):
+        home.thing(name, "cup")
+        home.seen(name, start, start + 5, at=(x, 1, 1), absent=absent)
+    for name, start, x, absent in (("k1", 0, 1, 95), ("k2", 200, 6, None)):
+        home.thing(name, "key")
+        home.seen(name, start, start + 5, at=(x, 2, 1), absent=absent)
+    home.room("kitchen", -1, -1, 3, 3)
+    home.room("living room", 4, -1, 9, 3)
+    return home
+
+
+def test_a_count_is_what_one_round_proves_and_what_ids_allow(carried: Home) -> None:
+    store = OracleStore()
+    carried.into(store)
+    answer = ask(store, "How many cups did you see?", now=NOW)
+    assert (answer.value, answer.count) == (2.0, 3)
+    assert answer.answer.startswith("At least two cups and at most three, last seen today")
+
+
+def test_a_number_asked_for_is_confirmed_only_by_what_is_proven(carried: Home) -> None:
+    assert told(carried, "Did you see two cups?").startswith("Yes. I saw at least two cups, last")
+    assert told(carried, "Did you see three cups?").startswith("I cannot be sure: I saw at least")
+    assert told(carried, "Did you see four cups?").startswith("No. I saw only three cups")
+
+
+def test_what_may_have_moved_is_not_told_as_still(carried: Home) -> None:
+    said = told(carried, "Have my keys moved today?")
+    assert said.startswith("I saw your keys in two places today. I cannot be sure that they are")
+    assert "living room" in said
+
+
+def test_what_turned_up_elsewhere_under_another_id_is_not_missing(carried: Home) -> None:
+    assert told(carried, "Is anything missing?").startswith("As far as I saw, nothing is missing.")
+    del carried.objects["k2"]
+    del carried.stays["k2", 0]
+    carried.sightings = [s for s in carried.sightings if s.object_id != "k2"]
+    assert told(carried, "Is anything missing?").startswith(
+        "One thing is no longer in place: the k"
+    )
