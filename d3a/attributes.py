@@ -30,6 +30,8 @@ UNKNOWN = 0.5
 """The chance of an attribute for an object without a picture, where others have one."""
 SIZE_SPREAD = 0.25
 """Deviation of the logarithm of a measured size: depth and boxes are rough."""
+LEAST_ONCE = 0.5
+"""One look, under one light, says of an attribute no more than that it is likelier than not."""
 LEAST_SIZED = 3
 """Sizes are relative: with fewer measured things of the kind, nothing is big or small."""
 _SIZES: dict[str, tuple[str, float]] = {
@@ -191,7 +193,8 @@ def _kept(
 ) -> dict[str, Candidate]:
     kept: dict[str, Candidate] = {}
     for i, candidate in enumerate(found):
-        if all(tenable[i] for _, _, tenable in scores):
+        least = LEAST_ONCE if candidate.record.tentative else 0.0
+        if all(tenable[i] and p[i] >= least for _, p, tenable in scores):
             told = {word: float(np.clip(p[i], 0.0, 1.0)) for word, p, _ in scores}
             kept[candidate.record.object_id] = replace(
                 candidate, attributes={**candidate.attributes, **told}

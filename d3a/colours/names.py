@@ -58,6 +58,11 @@ _SHADES: dict[str, tuple[float, float]] = {
     "very": (1.0, 0.0),
     "medium": (0.8, 0.0),
 }
+_METALS = frozenset({"silver", "gold", "bronze", "copper", "brass", "steel", "chrome"})
+_MIRRORED = (0.1, 0.3, 1.0)
+"""Shares of the light that parts of a polished thing send back: it mirrors dark and bright."""
+_NEIGHBOURS = 5
+"""So many names of a basic term tell how near to it a colour is."""
 _DARK = frozenset({"dark", "deep"})
 _LIGHT = frozenset({"light", "pale", "pastel"})
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
@@ -124,7 +129,10 @@ def colours_of(colour: str) -> Floats | None:
         return None
     rows = _rows_of(words)
     if rows:
-        return linear(table()[1][list(rows)])
+        named = linear(table()[1][list(rows)])
+        if words[-1] in _METALS:  # its parts send back what is around it, dark and bright
+            return np.concatenate([named * share for share in _MIRRORED])
+        return named
     if words[0] in _SHADES and len(words) > 1:
         base = colours_of(" ".join(words[1:]))
         if base is not None:
@@ -136,13 +144,35 @@ def colours_of(colour: str) -> Floats | None:
 def rest_of(colour: str) -> tuple[str, Floats] | None:
     """Return the basic term that a colour is a kind of, and what else that term stands for.
 
-    "dark blue" is a kind of blue; the rest are the other blues. None for a colour of its own.
+    "dark blue" is a kind of blue; the rest are the other blues. "crimson" says of no basic term
+    that it is a kind of it, but is among the reds; the rest are the reds that are least like it.
+    None for a basic term.
     """
     words = words_of(colour)
-    if len(words) < 2 or words[-1] not in BASIC:
+    if words[-1] not in BASIC:
+        return _among_which(colour)
+    if len(words) < 2:
         return None
     others = sorted(set(_rows_of((words[-1],))) - set(_rows_of(words)))
     return (words[-1], linear(table()[1][others])) if others else None
+
+
+def _among_which(colour: str) -> tuple[str, Floats] | None:
+    """Return the basic term with the names nearest to a colour, and its farther half."""
+    asked = colours_of(colour)
+    if asked is None:
+        return None
+    middle = encoded(asked).mean(axis=0)
+    codes = table()[1]
+    apart = np.linalg.norm(codes - middle, axis=1)
+
+    def nearness(term: str) -> float:
+        return float(np.sort(apart[list(_rows_of((term,)))])[:_NEIGHBOURS].mean())
+
+    base = min(BASIC, key=nearness)
+    kin = np.array(_rows_of((base,)))
+    farther = kin[apart[kin] > np.median(apart[kin])]
+    return (base, linear(codes[farther])) if len(farther) else None
 
 
 @lru_cache(maxsize=256)

@@ -7,6 +7,7 @@ import pytest
 from numpy.typing import NDArray
 
 from d3a.colours import BASIC, Palette, colours_of, is_colour, judge
+from d3a.colours.names import rest_of
 from tests.worlds.made import PAINTS, Rgb, painted
 
 WALLS: tuple[Rgb, ...] = ((150, 120, 90), (170, 170, 165), (90, 80, 75), (210, 200, 180))
@@ -146,3 +147,29 @@ def test_an_empty_store_has_a_palette() -> None:
     palette = Palette.of(np.zeros((0, 512), dtype=np.float32))
     assert palette.count == 0
     assert palette.exposure == 1.0
+
+
+def test_polished_metal_mirrors_dark_and_bright() -> None:
+    rng = np.random.default_rng(3)
+    shiny = np.mean([painted(rgb, rng) for rgb in ((25, 25, 27), (110, 110, 112), (210,) * 3)], 0)
+    matrix = np.stack([shiny, *(painted(PAINTS[p], rng) for p in ("white", "black", "red"))])
+    verdict = judge(["silver"], matrix.astype(np.float32), Palette.of(matrix))
+    assert verdict.tenable.tolist() == [True, False, False, False]
+
+
+@pytest.mark.parametrize(
+    ("colour", "base"),
+    [("crimson", "red"), ("maroon", "red"), ("ivory", "white"), ("navy", "blue")],
+)
+def test_a_name_of_its_own_is_among_a_basic_colour(colour: str, base: str) -> None:
+    rest = rest_of(colour)
+    assert rest is not None
+    assert rest[0] == base
+    own = colours_of(colour)
+    assert own is not None
+    apart = np.linalg.norm(rest[1][:, None, :] - own[None, :, :], axis=2).min(axis=1)
+    assert (apart > 0.01).all()  # nothing like it is left among its rivals
+
+
+def test_a_basic_term_is_among_none() -> None:
+    assert all(rest_of(term) is None for term in BASIC)

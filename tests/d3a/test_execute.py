@@ -400,3 +400,16 @@ def test_times_of_the_steps_are_told(kitchen: Home) -> None:
     elapsed = run(kitchen, query(term("cup"))).elapsed_ms
     assert set(elapsed) == {"retrieve", "rank", "total"}
     assert elapsed["total"] >= elapsed["retrieve"] >= 0
+
+
+def test_one_look_must_say_more_likely_than_not() -> None:
+    home = Home()
+    between = (210.0, 60.0, 36.0)  # a little less a red than an orange
+    for name, tentative in (("often", False), ("once", True)):
+        home.thing(name, "cup", paint=between, tentative=tentative)
+        home.seen(name, 0, 10, at=(1, 1, 1))
+    home.thing("other", "bowl", paint="green")
+    red = run(home, query(term("cup", "red")))
+    assert ids(red) == ["often"]
+    assert 1 / 3 <= red.keyframes[0].why["attributes"]["red"] < 0.5
+    assert set(ids(run(home, query(term("cup", "orange"))))) == {"often", "once"}
