@@ -110,6 +110,11 @@ def _whether(answer: Answer, query: FormalQuery, now: datetime) -> str:
         thing = indefinite(term, found_words(answer, query), many=many)
     where = where_words(newest, query)
     where = f", {where}" if where else ""
+    if answer.otherwise is not None:  # it may have moved since, under another id
+        there = where_words(answer.otherwise, query)
+        since = f"{when(answer.otherwise.end, now)}{f', {there}' if there else ''}"
+        told = f"I cannot be sure. I last saw {thing}{condition} {said}{where}."
+        return f"{told} I saw one that may be the same {since}."
     last = "last " if query.select == "last" else ""
     if len(heads) == 1 or last:
         told = f"{opening} I {last}saw {thing}{condition} {said}{where}."
@@ -331,7 +336,12 @@ def _sureness(answer: Answer, query: FormalQuery) -> str:
     if query.ask not in ("whether", "where", "when") or query.select == "usual":
         return ""
     point = query.time is not None and query.time.is_point
-    if point or _is_open(query) or (quantity is not None and answer.least < quantity):
+    if (
+        point
+        or answer.otherwise is not None
+        or _is_open(query)
+        or (quantity is not None and answer.least < quantity)
+    ):
         return ""
     views = int(best.why.get("views", best.seen))
     band = how_sure(best)

@@ -10,7 +10,7 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
-from d3a.moments import Entry, Found, Moment, entry_of
+from d3a.moments import Entry, Found, Moment, entry_of, single
 from d3a.rank import LEAST_OF_BEST
 from d3a.run import Run
 from d3a.steps import KeepPresent
@@ -38,10 +38,43 @@ def keep_present(run: Run, step: KeepPresent) -> None:
         there = term.category == ANYTHING
         table.gone.append(sighting if there else newest[sighting.object_id])
     kept = [at_its_newest(moment, table, newest) for moment in kept]
+    kept = _doubted(run, term.category, table, kept, before)
     if run.moments is not None:
         run.moments = kept
     else:
         table.sightings = [moment.figure.sighting for moment in kept]
+
+
+def _doubted(
+    run: Run, asked: str, table: Found, kept: list[Moment], before: Sequence[Sighting]
+) -> list[Moment]:
+    """Leave out of a list what may have moved under a new id; tell it of a thing asked for.
+
+    Another of its category turned up elsewhere after it was seen last: it may be that one.
+    """
+    here = {moment.figure.sighting.object_id for moment in kept}
+    first: dict[str, Sighting] = {}
+    for sighting in sorted(before, key=lambda s: (s.start_ms, s.object_id, s.place)):
+        first.setdefault(sighting.object_id, sighting)
+    newest = newest_of(before)
+
+    def later(moment: Moment) -> list[Sighting]:
+        kind = moment.figure.candidate.record.category
+        return [
+            newest[name]
+            for name, sighting in first.items()
+            if name not in here
+            and table.candidates[name].record.category == kind
+            and sighting.start_ms > moment.end_ms
+        ]
+
+    if asked == ANYTHING:
+        return [moment for moment in kept if not later(moment)]
+    doubts = [later(moment) for moment in kept]
+    if doubts and all(doubts):
+        best = max((s for each in doubts for s in each), key=lambda s: (s.end_ms, s.object_id))
+        run.otherwise = single(table, best)
+    return kept
 
 
 def _newest_likeness(

@@ -140,3 +140,25 @@ def test_what_turned_up_elsewhere_under_another_id_is_not_missing(carried: Home)
     assert told(carried, "Is anything missing?").startswith(
         "One thing is no longer in place: the k"
     )
+
+
+def test_a_yes_about_now_is_doubted_where_one_like_it_turned_up_elsewhere(
+    two_rooms: Home,
+) -> None:
+    assert told(two_rooms, "Is the cup in the living room?").startswith("Yes. I last saw a cup in")
+    two_rooms.thing("other", "cup", paint="red")
+    two_rooms.seen("other", 300, 310, at=(1, 1, 1))
+    said = told(two_rooms, "Is the cup in the living room?")
+    assert said == (
+        "I cannot be sure. I last saw a cup in the living room today at 15:30, 4 hours ago. I saw "
+        "one that may be the same today at 17:10, 2 hours ago, in the kitchen."
+    )
+
+
+def test_a_list_of_what_is_there_leaves_out_what_may_have_moved(two_rooms: Home) -> None:
+    two_rooms.thing("key", "key")
+    two_rooms.seen("key", 200, 210, at=(6, 2, 1))
+    assert "a key" in told(two_rooms, "What is in the living room?")
+    two_rooms.thing("found", "key")
+    two_rooms.seen("found", 300, 310, at=(1, 2, 1))
+    assert "a key" not in told(two_rooms, "What is in the living room?")
