@@ -5,12 +5,17 @@ from __future__ import annotations
 from dataclasses import replace
 from datetime import datetime
 
+import numpy as np
 import pytest
 
 from d3a.answer import Answer
+from d3a.attributes import judged
+from d3a.colours import Palette
 from d3a.execute import execute
+from d3a.match import Candidate
 from d3a.parameters import DEFAULT
-from d3a.plan import Precision, plan
+from d3a.plan import JudgeAttributes, Precision, plan
+from d3a.store.base import ObjectRecord
 from grammar.forms import (
     Ask,
     FormalQuery,
@@ -21,7 +26,7 @@ from grammar.forms import (
     TimeSlice,
     Where,
 )
-from tests.worlds.made import NOW, ZONE, Home, Words, at
+from tests.worlds.made import NOW, PAINTS, ZONE, Home, Words, at, painted
 from tests.worlds.oracle import OracleStore
 
 ON_TABLE, TABLE = (180.0, 170.0, 220.0, 230.0), (100.0, 200.0, 300.0, 400.0)
@@ -403,13 +408,18 @@ def test_times_of_the_steps_are_told(kitchen: Home) -> None:
 
 
 def test_one_look_must_say_more_likely_than_not() -> None:
-    home = Home()
-    between = (210.0, 60.0, 36.0)  # a little less a red than an orange
-    for name, tentative in (("often", False), ("once", True)):
-        home.thing(name, "cup", paint=between, tentative=tentative)
-        home.seen(name, 0, 10, at=(1, 1, 1))
-    home.thing("other", "bowl", paint="green")
-    red = run(home, query(term("cup", "red")))
-    assert ids(red) == ["often"]
-    assert 1 / 3 <= red.keyframes[0].why["attributes"]["red"] < 0.5
-    assert set(ids(run(home, query(term("cup", "orange"))))) == {"often", "once"}
+    rng = np.random.default_rng(0)
+    look = painted((210.0, 60.0, 36.0), rng)  # a little less a red than an orange
+    palette = Palette.of(np.stack([look, painted(PAINTS["green"], rng)]))
+    often = ObjectRecord("often", "cup", 1.0, 0, 0, embedding=look)
+    found = [
+        Candidate(often, 1.0),
+        Candidate(replace(often, object_id="once", tentative=True), 1.0),
+    ]
+
+    def kept(colour: str) -> dict[str, Candidate]:
+        return judged(JudgeAttributes("x", (colour,)), found, lambda: palette, Words()).kept
+
+    assert set(kept("red")) == {"often"}
+    assert 1 / 3 <= kept("red")["often"].attributes["red"] < 0.5
+    assert set(kept("orange")) == {"often", "once"}
