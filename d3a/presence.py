@@ -10,12 +10,13 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
+from d3a.distinct import may_be_one
 from d3a.moments import Entry, Found, Moment, entry_of, single
 from d3a.rank import LEAST_OF_BEST
 from d3a.run import Run
 from d3a.steps import KeepPresent
 from d3a.store.base import Sighting
-from grammar.forms import ANYTHING
+from grammar.forms import ANYTHING, ObjectTerm
 
 
 def keep_present(run: Run, step: KeepPresent) -> None:
@@ -38,7 +39,7 @@ def keep_present(run: Run, step: KeepPresent) -> None:
         there = term.category == ANYTHING
         table.gone.append(sighting if there else newest[sighting.object_id])
     kept = [at_its_newest(moment, table, newest) for moment in kept]
-    kept = _doubted(run, term.category, table, kept, before)
+    kept = _doubted(run, term, table, kept, before)
     if run.moments is not None:
         run.moments = kept
     else:
@@ -46,17 +47,24 @@ def keep_present(run: Run, step: KeepPresent) -> None:
 
 
 def _doubted(
-    run: Run, asked: str, table: Found, kept: list[Moment], before: Sequence[Sighting]
+    run: Run, term: ObjectTerm, table: Found, kept: list[Moment], before: Sequence[Sighting]
 ) -> list[Moment]:
     """Leave out of a list what may have moved under a new id; tell it of a thing asked for.
 
-    Another of its category turned up elsewhere after it was seen last: it may be that one.
+    Another of its category turned up elsewhere after it was seen last: it may be that one. So may
+    any that has the looks asked for, was seen elsewhere since, and never in one round with it.
     """
     here = {moment.figure.sighting.object_id for moment in kept}
     first: dict[str, Sighting] = {}
     for sighting in sorted(before, key=lambda s: (s.start_ms, s.object_id, s.place)):
         first.setdefault(sighting.object_id, sighting)
     newest = newest_of(before)
+
+    def is_alike(moment: Moment, name: str) -> bool:
+        if not term.attributes or newest[name].start_ms <= moment.end_ms:
+            return False
+        both = {name, moment.figure.sighting.object_id}
+        return may_be_one([s for s in before if s.object_id in both])
 
     def later(moment: Moment) -> list[Sighting]:
         kind = moment.figure.candidate.record.category
@@ -65,10 +73,10 @@ def _doubted(
             for name, sighting in first.items()
             if name not in here
             and table.candidates[name].record.category == kind
-            and sighting.start_ms > moment.end_ms
+            and (sighting.start_ms > moment.end_ms or is_alike(moment, name))
         ]
 
-    if asked == ANYTHING:
+    if term.category == ANYTHING:
         return [moment for moment in kept if not later(moment)]
     doubts = [later(moment) for moment in kept]
     if doubts and all(doubts):

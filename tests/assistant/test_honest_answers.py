@@ -162,3 +162,14 @@ def test_a_list_of_what_is_there_leaves_out_what_may_have_moved(two_rooms: Home)
     two_rooms.thing("found", "key")
     two_rooms.seen("found", 300, 310, at=(1, 2, 1))
     assert "a key" not in told(two_rooms, "What is in the living room?")
+
+
+@pytest.mark.parametrize(("beside", "doubted"), [(False, True), (True, False)])
+def test_a_look_alike_known_before_doubts_only_if_never_seen_beside(
+    two_rooms: Home, beside: bool, doubted: bool
+) -> None:
+    two_rooms.thing("other", "cup", paint="red")
+    two_rooms.seen("other", 205 if beside else 100, at=(1, 1, 1))
+    two_rooms.seen("other", 300, 310, at=(1, 1, 1))
+    said = told(two_rooms, "Is the red cup in the living room?")
+    assert said.startswith("I cannot be sure.") is doubted
