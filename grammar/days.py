@@ -96,7 +96,11 @@ def _single(day: tf.Day, ref: Reference) -> DaySpan:
         case tf.Season():
             return _season(day, ref)
         case tf.Decade():
-            return date(day.year, 1, 1), date(day.year + 10, 1, 1)
+            year = day.year
+            if year < 100:
+                century = ref.today.year // 100 * 100
+                year += century if century + year <= ref.today.year else century - 100
+            return date(year, 1, 1), date(year + 10, 1, 1)
         case tf.Nth(unit="quarter" | "half"):
             span = _nth(day, _calendar(tf.Calendar("year", 0), ref.today))
             future = span[0] > ref.today

@@ -181,7 +181,9 @@ class NounReader:
             return None
         if text.endswith(_SUFFIXES):
             return "shape" if text.endswith("-shaped") else "colour"
-        return self.lexicon.attributes.get(text.rpartition("-")[2])
+        last = text.rpartition("-")[2]
+        described = adjectives.describes(last, self.lexicon.words)  # hand-painted
+        return self.lexicon.attributes.get(last) or ("other" if described else None)
 
     def _noun(self, words: list[Word], first: int, last: int) -> tuple[Noun, int, int]:
         said = self.lexicon.singular(" ".join(w.text for w in words[first:last]))

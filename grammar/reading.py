@@ -10,7 +10,7 @@ from typing import Any
 from lark import Lark, Token
 from lark.exceptions import UnexpectedInput
 
-from grammar import clock, lalr, scope, speech, tagger, timespan
+from grammar import antecedent, clock, lalr, scope, speech, tagger, timespan
 from grammar.cursor import TIME_GAP, Tagged
 from grammar.days import TimeAmbiguityError, TimeError
 from grammar.errors import Ambiguous, NotUnderstood, OutOfScope, QuestionError
@@ -84,6 +84,7 @@ class Reading:
                 answer = self.sentence(words, it)
                 it = answer.objects[0] if answer.objects else it
             except QuestionError as error:
+                it = it if asks else antecedent.spoken_of(words, self.lexicon) or it
                 if asks or not failed_question:
                     failure = error
                 failed_question = failed_question or asks

@@ -59,6 +59,11 @@ def spoken() -> tuple[str, ...]:
     return tuple(phrase for phrases in _lists().values() for phrase in phrases)
 
 
+def doings() -> frozenset[str]:
+    """Return common verbs of people's doings."""
+    return _lists()["doing"]
+
+
 def asks(words: list[Word]) -> bool:
     """Whether a sentence is a question by its first word, or looks for something."""
     led = len(words) > 1 and words[0].text in ("on", "in", "at")

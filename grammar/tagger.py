@@ -215,6 +215,11 @@ class Tagger(VerbTagger):
         following = self.i + size
         if said in ("above", "below") and self._last() == "DET":
             return False
+        if not self.out.tags and self._text(following) in ("which", "what"):
+            self._emit("PIED", kind, size)
+            return True
+        kind, said, size = self._through_part(kind, said, size)
+        following = self.i + size
         if not self._noun_phrase_at(following) and self._text(following) not in (
             "one",
             "ones",
@@ -229,6 +234,16 @@ class Tagger(VerbTagger):
             self.out.tags.pop()
         self._emit("THAT_NOT_REL" if negated else "REL", kind, size)
         return True
+
+    def _through_part(self, kind: str, said: str, size: int) -> tuple[str, str, int]:
+        """Read `hanging on the back of` as `on the back of`: the part of a thing is no thing."""
+        last = said.rpartition(" ")[2]
+        for parts, terminal in phrases().by_first.get(last, ()):
+            start = self.i + size - 1
+            longer = len(parts) > 2 and parts[-1] == "of" and terminal.startswith("REL ")
+            if longer and [self._text(start + j) for j in range(len(parts))] == [*parts]:
+                return terminal[4:], " ".join(parts), size - 1 + len(parts)
+        return kind, said, size
 
     def _within(self, k: int, size: int) -> bool:
         """Read the corner of the kitchen as in it, and the corner of the room as a thing."""

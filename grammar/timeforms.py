@@ -108,7 +108,7 @@ class Season:
 
 @dataclass(frozen=True, slots=True)
 class Decade:
-    """Ten years from `year`."""
+    """Ten years from `year`; of a year below 100, the last such ten years that have begun."""
 
     year: int
 

@@ -226,8 +226,11 @@ class _Reader(NumberReader):
             return self._month(word)
         if word in tw.SEASONS and self._at(-1) in _LEADS_SEASON:
             return None if is_open(self._at(1)) else self._make("SEASON", tw.SEASONS[word], 1)
-        if (match := _DECADE.match(word)) and self._at(-1) == "the":
-            return self._make("DECADE", int(match[1]), 1)
+        if self._at(-1) == "the" and not is_open(self._at(1)):
+            if match := _DECADE.match(word):
+                return self._make("DECADE", int(match[1]), 1)
+            if word in tw.DECADES:
+                return self._make("DECADE", tw.DECADES[word], 1)
         return None
 
     def _part(self, word: str) -> TimeToken | None:

@@ -253,6 +253,8 @@ class NumberReader:
     def _ranges(self, k: int) -> bool:
         """Whether a clock time with am or pm stands at `k`, after a dash: `9-11 am`."""
         number = numbers.cardinal(self.words, self.i + k) if self._at(k) else None
+        if _CLOCK.match(self._at(k)):
+            return self._meridiem_at(k + 1)
         return number is not None and self._at(k + number[1]) in (
             "am",
             "pm",

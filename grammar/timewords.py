@@ -67,6 +67,11 @@ HOLIDAYS = {
     "good friday": (0, 11), "easter monday": (0, 12),
 }  # fmt: skip
 """Holiday -> (month, day), or (0, rule number of calendar.moving_holiday)."""
+DECADES = {
+    "twenties": 20, "thirties": 30, "forties": 40, "fifties": 50, "sixties": 60, "seventies": 70,
+    "eighties": 80, "nineties": 90,
+}  # fmt: skip
+"""Decades by their last two digits: the last such one gone by."""
 SEASONS = {"spring": 3, "summer": 6, "autumn": 9, "fall": 9, "winter": 12}
 
 LINKS = words_of(

@@ -236,6 +236,14 @@ class Meanings(Terms):
         kind: Any = stranded.value
         return Meaning("where", things.with_items((Related(kind, ground.group),)), newest=True)
 
+    def which_pied(self, kind: Token, ground: Things, *words: Any) -> Meaning:
+        """Rule which: PIED _WHICH things aux things. On which shelf is the book."""
+        if ground.group is None:
+            raise MeaningError("it names no thing", state=False)
+        relation: Any = kind.value
+        things = _things(words)
+        return Meaning("where", things.with_items((Related(relation, ground.group),)), newest=True)
+
     # -- how many, how long, how often -------------------------------------------------------------
 
     def count(self, *words: Any) -> Meaning:
@@ -279,6 +287,12 @@ class Meanings(Terms):
         """Rule often: _HOWOFTEN aux WHO act things."""
         return Meaning("how_often", _things(words))
 
+    def moved_by(self, _aux: Aux, mover: Token, _moved: Token, things: Things) -> Meaning:
+        """Rule moved: aux WHO MOVED things. Whether anyone did is seen, who did is not."""
+        if mover.value not in ("anyone", "anybody", "someone", "somebody", "i", "we", "they"):
+            raise MeaningError("it asks what somebody does")
+        return Meaning("moved", things)
+
     # -- moved, missing, said -------------------------------------------------------------------
 
     def what_moved(self, *words: Any) -> Meaning:
@@ -306,7 +320,10 @@ class Meanings(Terms):
         return Meaning("where", _things(words), newest=True)
 
     def short(self, things: Things) -> Meaning:
-        """Rule said: things."""
+        """Rule said: things. `anything on the bed` asks whether there is."""
+        terms = things.group.terms if things.group else ()
+        if things.items and terms and terms[0].category == ANYTHING and not terms[0].attributes:
+            return Meaning("whether", things)
         return Meaning("where", things, newest=True)
 
     def told(self, *words: Any) -> Meaning:

@@ -71,6 +71,10 @@ _WITHOUT_APOSTROPHE = {
     "wanna": ("want", "to"),
     "lemme": ("let", "me"),
     "gimme": ("give", "me"),
+    "r": ("are",),
+    "u": ("you",),
+    "ur": ("your",),
+    "wat": ("what",),
     "d'you": ("do", "you"),
     "didja": ("did", "you"),
 }

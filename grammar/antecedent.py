@@ -1,0 +1,63 @@
+"""What `it` means after a statement that is no question: the thing the statement is about."""
+
+from __future__ import annotations
+
+from grammar import scope, tagger, timespan
+from grammar.cursor import Tag
+from grammar.forms import ANYTHING, ObjectTerm
+from grammar.nouns import Attribute, Noun
+from grammar.nountags import PEOPLE
+from grammar.vocabulary import Lexicon
+from grammar.words import Word
+
+
+def spoken_of(words: list[Word], lexicon: Lexicon) -> ObjectTerm | None:
+    """Return the thing that a statement names, None where it names none.
+
+    The first noun that the lexicon knows counts, else the last one with a determiner: `I want to
+    read my novel. Where is it?`. People, places and times are no things.
+    """
+    timed = {i for time in timespan.find([w.text for w in words]) for i in range(*_span(time))}
+    tags = tagger.tag([w for i, w in enumerate(words) if i not in timed], lexicon).tags
+    named = [(i, _without_verb(t.value, lexicon)) for i, t in enumerate(tags) if _is_noun(t)]
+    things = [(i, noun) for i, noun in named if _is_thing(noun, lexicon)]
+    known = [(i, noun) for i, noun in things if noun.known]
+    led = [(i, noun) for i, noun in things if i and tags[i - 1].type in ("DET", "OWNER", "ATTR")]
+    chosen = known[:1] or led[-1:]
+    return _term(tags, *chosen[0]) if chosen else None
+
+
+def _span(time: timespan.Found) -> tuple[int, int]:
+    return time.first, time.last
+
+
+def _is_noun(tag: Tag) -> bool:
+    return isinstance(tag.value, Noun)
+
+
+def _without_verb(noun: object, lexicon: Lexicon) -> Noun:
+    """Return a noun without the verb that follows it: `my flute needs` is my flute."""
+    assert isinstance(noun, Noun)
+    words = noun.said.split()
+    verb = next((i for i, word in enumerate(words) if word in scope.doings()), len(words))
+    if verb == len(words) or noun.said in lexicon.nouns:
+        return noun
+    said = lexicon.singular(" ".join(words[:verb]))
+    return Noun(lexicon.canonical(said), said, said in lexicon.nouns)
+
+
+def _is_thing(noun: Noun, lexicon: Lexicon) -> bool:
+    words = {*noun.said.split()}
+    is_place = noun.said in lexicon.places or noun.category == ANYTHING
+    return bool(noun.said) and not is_place and not words & (PEOPLE | lexicon.names)
+
+
+def _term(tags: list[Tag], i: int, noun: Noun) -> ObjectTerm:
+    """Return the noun with the attributes and the owner said before it."""
+    k = i
+    described: list[str] = []
+    while k and isinstance(value := tags[k - 1].value, Attribute):
+        described.insert(0, value.said)
+        k -= 1
+    owner = str(tags[k - 1].value) if k and tags[k - 1].type == "OWNER" else None
+    return ObjectTerm(noun.category, noun.said, tuple(described), owner=owner)
