@@ -47,6 +47,8 @@ from d3a.answer import Answer, RankedKeyframe
 from d3a.colours import is_colour
 from grammar.forms import ANYTHING, Ask, FormalQuery, ObjectTerm, TimeSlice
 
+_LEAST_WHOLE = 0.99
+"""Shares of a thing's places that add up to less leave time for what may be the same thing."""
 _LISTED = 3
 """So many things of a longer list are told one by one; the rest stand in the table."""
 
@@ -231,6 +233,9 @@ def _usual(answer: Answer, query: FormalQuery) -> str:
         share = round(100 * keyframe.why.get("share", 1.0))
         spots.append(f"{where_words(keyframe, query) or 'at a place that has no name'} ({share} %)")
     thing = definite(term, found_words(answer, query))
+    if sum(k.why.get("share", 1.0) for k in heads_of(answer) if k.object_id == best) < _LEAST_WHOLE:
+        others = "Of the rest I cannot be sure: what I saw elsewhere may be the same."
+        return f"I saw {thing} {listed(spots)}. {others}"
     return f"Most of the time I saw {thing} {listed(spots)}."
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+from d3a.distinct import may_be_one
 from d3a.moments import Found, Moment, changes_of_place, entry_of, single, total_ms
 from d3a.store.base import Sighting, StayKey
 
@@ -76,20 +77,37 @@ def missing(found: Found, when: Slice) -> list[Moment]:
 
 
 def usual(found: Found, when: Slice) -> list[Moment]:
-    """Return the newest sighting of each stay with its share of the object's seen time."""
+    """Return the newest sighting of each stay with its share of the object's seen time.
+
+    What others of its category, never seen in one round with it, were seen counts as its time
+    too: they may be the same thing at another place.
+    """
     out: list[Moment] = []
-    for sightings in by_object(found.sightings).values():
-        inside = [s for s in sightings if when.holds(s.start_ms) or when.holds(s.end_ms)]
+    seen = [s for s in found.sightings if when.holds(s.start_ms) or when.holds(s.end_ms)]
+    objects = by_object(seen)
+    for name, inside in objects.items():
+        kind = found.candidates[name].record.category
+        others = [
+            theirs
+            for other, theirs in objects.items()
+            if other != name
+            and found.candidates[other].record.category == kind
+            and may_be_one([*inside, *theirs])
+        ]
         spans: dict[StayKey, list[tuple[int, int]]] = {}
         newest: dict[StayKey, Sighting] = {}
         for sighting in inside:
-            span = (sighting.start_ms, max(sighting.end_ms, sighting.start_ms + LEAST_STAY_MS))
-            spans.setdefault(sighting.stay, []).append(span)
+            spans.setdefault(sighting.stay, []).append(_span(sighting))
             newest[sighting.stay] = sighting
         lengths = {stay: total_ms(parts) for stay, parts in spans.items()}
         total = sum(lengths.values())
+        total += sum(total_ms(_span(s) for s in theirs) for theirs in others)
         for stay, sighting in newest.items():
             entry = entry_of(found, sighting)
             share = lengths[stay] / total
             out.append(Moment((entry,), sighting.start_ms, sighting.end_ms, share=share))
     return out
+
+
+def _span(sighting: Sighting) -> tuple[int, int]:
+    return (sighting.start_ms, max(sighting.end_ms, sighting.start_ms + LEAST_STAY_MS))

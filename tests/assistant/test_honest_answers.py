@@ -173,3 +173,9 @@ def test_a_look_alike_known_before_doubts_only_if_never_seen_beside(
     two_rooms.seen("other", 300, 310, at=(1, 1, 1))
     said = told(two_rooms, "Is the red cup in the living room?")
     assert said.startswith("I cannot be sure.") is doubted
+
+
+def test_where_a_thing_usually_is_leaves_room_for_what_may_be_it(carried: Home) -> None:
+    said = told(carried, "Where do my keys usually lie?")
+    assert said.startswith("I saw your keys in the ")
+    assert "(50 %). Of the rest I cannot be sure" in said
