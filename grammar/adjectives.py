@@ -18,8 +18,9 @@ PARTICIPLES = words_of(
 
 
 def describes(word: str, nouns: Collection[str]) -> bool:
-    """Whether an unlisted word before a noun describes it. nouns: every word of a listed noun.
+    """Whether an unlisted word before a noun describes it.
 
+    nouns: the last words of the listed nouns; none of them is an adjective.
     Such are participles (quilted), words made with a suffix of their own (waterproof, greenish),
     and nouns with -y or -en (leafy of leaf, silken of silk).
     """

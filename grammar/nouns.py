@@ -159,7 +159,7 @@ class NounReader:
         if parted and i + 2 < end:
             return f"{text} {following}", parted, 2
         kind = kinds.get(text) or self._hyphenated(text)
-        if kind is None and following and adjectives.describes(text, self.lexicon.words):
+        if kind is None and following and adjectives.describes(text, self.lexicon.heads):
             kind = "other"
         if kind is None or (not following and text in _EDGES):
             return None
@@ -182,7 +182,7 @@ class NounReader:
         if text.endswith(_SUFFIXES):
             return "shape" if text.endswith("-shaped") else "colour"
         last = text.rpartition("-")[2]
-        described = adjectives.describes(last, self.lexicon.words)  # hand-painted
+        described = adjectives.describes(last, ())  # hand-painted
         return self.lexicon.attributes.get(last) or ("other" if described else None)
 
     def _noun(self, words: list[Word], first: int, last: int) -> tuple[Noun, int, int]:

@@ -11,6 +11,7 @@ from grammar import numbers, timespan
 from grammar import timewords as tw
 from grammar.closed import is_open, words_of
 from grammar.corrections import corrected
+from grammar.phrases import asks_at_start
 from grammar.sayings import AUXILIARIES, QUESTION_STARTS, QUESTION_WORDS, sections
 from grammar.vocabulary import Lexicon
 from grammar.words import Word
@@ -151,7 +152,10 @@ def _no_filler(words: list[Word], i: int, count: int, kept: list[Word]) -> bool:
     return False
 
 
-_BEFORE_LIKE = ("", *words_of("so ok okay well is are was were at around by in on for and to"))
+_BEFORE_LIKE = (
+    "",
+    *words_of("so ok okay well where when is are was were at around by in on for and to"),
+)
 """After these `like` says nothing: `where is like my cup`, `at like three`."""
 
 
@@ -245,6 +249,7 @@ def _clause_follows(words: list[Word], i: int) -> bool:
     return k < len(words) and (
         words[k].text in (*QUESTION_WORDS, "if", "that", "who", "i", "you", "there", *AUXILIARIES)
         or words[i - 1].text in ("that",)
+        or asks_at_start([w.text for w in words[i:]])
         or sections()["prefix"].at(words, k) > 0
     )
 

@@ -20,6 +20,7 @@ from grammar.words import Word
 
 _WITHIN = ("corner of", "middle of", "center of", "centre of", "end of")
 _INTENSIFIERS = frozenset(("right", "directly", "immediately", "straight"))
+_PARTS_OF = frozenset(("back", "side", "edge", "top", "front", "arm", "end", "surface", "rim"))
 _ALL = ("everything", "all", "every", "each")
 _FLOATS: dict[str, Select] = {"last": "last", "first": "first", "usual": "usual"}
 
@@ -243,6 +244,9 @@ class Tagger(VerbTagger):
             longer = len(parts) > 2 and parts[-1] == "of" and terminal.startswith("REL ")
             if longer and [self._text(start + j) for j in range(len(parts))] == [*parts]:
                 return terminal[4:], " ".join(parts), size - 1 + len(parts)
+        part = [self._text(self.i + size + j) for j in range(3)]
+        if part[0] == "the" and part[1] in _PARTS_OF and part[2] == "of":
+            return kind, said, size + 3  # draped over the back of the chair
         return kind, said, size
 
     def _within(self, k: int, size: int) -> bool:

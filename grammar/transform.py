@@ -152,6 +152,9 @@ class Meanings(Terms):
         act = _acts(words)
         if act == "FINDS" and _aux(words) == "can":
             return Meaning("where", _things(words), newest=True)
+        doer = next((w.value for w in words if isinstance(w, Token) and w.type == "WHO"), "")
+        if act == "LEAVE" and doer in ("you", "u", "the robot") and not _things(words).items:
+            raise MeaningError("it asks what the robot did")
         return Meaning("whether", _things(words))
 
     def whether_in(self, _aux: Aux, place: Token, _have: Token, things: Things) -> Meaning:
