@@ -168,7 +168,8 @@ def _is_named(landmark: str, query: FormalQuery) -> bool:
     """Whether the question was about that landmark: on the table, next to the table."""
     relations = query.relation is not None and query.relation.kind in ("on", "near", "in", "under")
     kinds = {landmark, *vocabulary.broader(landmark)}
-    return relations and any(term.category in kinds for term in query.objects[1:])
+    heads = (word for t in query.objects[1:] for word in (t.category, t.word.rpartition(" ")[2]))
+    return relations and any(word in kinds for word in heads)  # a kitchen table is a table
 
 
 def nowhere_words(keyframe: RankedKeyframe) -> str:

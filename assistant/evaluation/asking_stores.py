@@ -31,10 +31,10 @@ from d3a.plan import (
 )
 from grammar import FormalQuery, QuestionError, parse_report
 
-FORCED: dict[Level, Precision | None] = {
+FORCED: dict[Level, Precision] = {
     "perfect": "perfect",
     "category": "category",
-    "attribute": None,
+    "attribute": "attribute",
     "any": "any",
 }
 EVERYTHING = 1_000_000
