@@ -117,13 +117,16 @@ def _heights(pairs: Pairs) -> tuple[Floats, Floats]:
     return rise_of(pairs) - pairs.extent_a[:, 1] / 2, pairs.extent_b[:, 1] / 2
 
 
-def _tempered(pairs: Pairs, by_box: Floats, by_size: Floats, otherwise: Floats) -> Floats:
+def _tempered(
+    pairs: Pairs, by_box: Floats, by_size: Floats, otherwise: Callable[[], Floats]
+) -> Floats:
     """Return what measured places say, tempered by the boxes of a shared frame; else `otherwise`.
 
     by_size: by places and sizes, where both are known.
     """
     tempered = by_size * np.where(pairs.shared, 1 - TEMPER + TEMPER * by_box, 1.0)
-    return np.where(_measured(pairs), tempered, otherwise)
+    measured = _measured(pairs)
+    return tempered if measured.all() else np.where(measured, tempered, otherwise())
 
 
 def _box_or_place(pairs: Pairs, by_box: Floats, by_place: Floats, sign: float = 0.0) -> Floats:
@@ -135,6 +138,11 @@ def _box_or_place(pairs: Pairs, by_box: Floats, by_place: Floats, sign: float = 
     rise = np.where(np.isnan(distance_of(pairs)), np.nan, rise_of(pairs))
     level = as_factor(normal_cdf((sign * rise + LEVEL_M) / pairs.sigma)) if sign else 1.0
     return np.where(pairs.shared, by_box * as_factor(_footprint(pairs)) * level, by_place)
+
+
+def _over_or_below(pairs: Pairs, by_box: Floats, sign: float) -> Floats:
+    """Return the probability that the figure is over (+1) or below (-1), without any sizes."""
+    return _box_or_place(pairs, by_box, _vertical(pairs, sign), sign)
 
 
 def _vertical(pairs: Pairs, sign: float) -> Floats:
@@ -179,8 +187,7 @@ def _on(pairs: Pairs, _: Parameters) -> Floats:
         * normal_cdf((underside + 2 * SEAT_SHARE * top + LEVEL_M) / spread)
         * normal_cdf((top + SEAT_M - underside) / spread)
     )
-    plain = _box_or_place(pairs, by_box, _vertical(pairs, 1.0), 1.0)
-    return _tempered(pairs, by_box, by_size, plain)
+    return _tempered(pairs, by_box, by_size, lambda: _over_or_below(pairs, by_box, 1.0))
 
 
 def _upright(pairs: Pairs) -> Floats:
@@ -205,8 +212,7 @@ def _under(pairs: Pairs, _: Parameters) -> Floats:
     by_size = _footprint(pairs) * normal_cdf(
         np.where(pairs.usual_b, on_its_floor, below_all) / spread
     )
-    plain = _box_or_place(pairs, by_box, _vertical(pairs, -1.0), -1.0)
-    return _tempered(pairs, by_box, by_size, plain)
+    return _tempered(pairs, by_box, by_size, lambda: _over_or_below(pairs, by_box, -1.0))
 
 
 def _above(pairs: Pairs, _: Parameters) -> Floats:
@@ -214,8 +220,7 @@ def _above(pairs: Pairs, _: Parameters) -> Floats:
     by_box = soft_step(overlap_x(pairs), 0.4, 0.08) * (1 - soft_step(foot, 0.5, 0.06))
     underside, top = _heights(pairs)
     by_size = _footprint(pairs) * normal_cdf((underside - top / 2) / _upright(pairs))
-    plain = _box_or_place(pairs, by_box, _vertical(pairs, 1.0), 1.0)
-    return _tempered(pairs, by_box, by_size, plain)
+    return _tempered(pairs, by_box, by_size, lambda: _over_or_below(pairs, by_box, 1.0))
 
 
 def _in(pairs: Pairs, _: Parameters) -> Floats:

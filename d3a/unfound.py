@@ -10,7 +10,7 @@ from d3a.places import last_look
 from d3a.plan import ExplainEmpty
 from d3a.rank import rank
 from d3a.run import Run, milliseconds
-from d3a.store.base import Sighting
+from d3a.store.base import Sighting, StayKey
 from grammar.forms import ANYTHING, ObjectTerm
 
 
@@ -133,7 +133,11 @@ def _unknown(run: Run, category: str, word: str) -> None:
 
 
 def _newest(table: Found, sightings: Sequence[Sighting]) -> Moment | None:
-    ordered = rank([single(table, s) for s in sightings], "last", spread=False)
+    """Return the likely moment that is nearest to now, of each place its newest alone."""
+    newest: dict[StayKey, Sighting] = {}
+    for sighting in sorted(sightings, key=lambda s: (s.end_ms, s.start_ms)):
+        newest[sighting.stay] = sighting
+    ordered = rank([single(table, s) for s in newest.values()], "last", spread=False)
     return ordered[0].moment if ordered else None
 
 
