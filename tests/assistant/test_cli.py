@@ -448,7 +448,11 @@ def test_a_closed_pipe_is_quiet() -> None:
 
 def test_an_interrupt_is_status_130() -> None:
     with subprocess.Popen(
-        [*COMMAND, "parse", "--json"], stdin=subprocess.PIPE, stdout=subprocess.PIPE
+        [*COMMAND, "parse", "--json"],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        # A test run that was started in the background ignores interrupts, and its children too.
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     ) as process:
         assert process.stdin is not None
         assert process.stdout is not None
