@@ -49,7 +49,6 @@ class Ledger:
         self._gone_objects: set[str] = set()
         self._gone_stays: set[StayKey] = set()
         self._gone_sightings: set[SightingKey] = set()
-        self._gone_encounters: set[EncounterKey] = set()
 
     def batch_fields(self) -> dict[str, Any]:
         """Return the writes by the names of `Batch`, each kind in the order of its keys."""
@@ -62,7 +61,6 @@ class Ledger:
             "removed_objects": sorted(self._gone_objects),
             "removed_stays": sorted(self._gone_stays),
             "removed_sightings": sorted(self._gone_sightings),
-            "removed_encounters": sorted(self._gone_encounters),
         }
 
     def taught(self) -> dict[str, tuple[TaughtName, ...]]:
@@ -116,12 +114,6 @@ class Ledger:
         key = (*record.stay, record.start_ms)
         self._gone_sightings.add(key)
         self._sightings.pop(key, None)
-
-    def remove_encounter(self, record: Encounter) -> None:
-        """Remove an encounter."""
-        key = encounter_key(record)
-        self._gone_encounters.add(key)
-        self._encounters.pop(key, None)
 
     def _forget(self, matches: Any) -> None:
         self._stays = {k: r for k, r in self._stays.items() if not matches(k)}
@@ -184,7 +176,7 @@ class Ledger:
         for record in self._store.encounters(object_ids=[object_id]):
             a, b = (record.object_a, record.place_a), (record.object_b, record.place_b)
             key = encounter_key(record)
-            if not (self._is_gone(a) or self._is_gone(b) or key in self._gone_encounters):
+            if not (self._is_gone(a) or self._is_gone(b)):
                 kept[key] = record
         kept |= {k: r for k, r in self._encounters.items() if object_id in k[:2]}
         return [kept[key] for key in sorted(kept)]
