@@ -154,6 +154,13 @@ def _relations() -> dict[str, RelationKind]:
     return found
 
 
+@lru_cache(maxsize=1)
+def _listed() -> tuple[dict[str, str], dict[str, str], dict[str, tuple[str, ...]]]:
+    """Return odd plurals, nouns and wider words of the files: read once for every lexicon."""
+    plurals = _plural_exceptions()
+    return plurals, *_nouns(plurals)
+
+
 def _nouns(plurals: dict[str, str]) -> tuple[dict[str, str], dict[str, tuple[str, ...]]]:
     """Return the category of each noun, and the wider words of each category, as listed."""
     nouns: dict[str, str] = {}
@@ -173,8 +180,8 @@ def _nouns(plurals: dict[str, str]) -> tuple[dict[str, str], dict[str, tuple[str
 @lru_cache(maxsize=16)
 def lexicon(words: StoreWords = StoreWords()) -> Lexicon:  # frozen and empty
     """Return the lexicon with a store's words added; one object for equal words."""
-    plurals = _plural_exceptions()
-    nouns, broader = _nouns(plurals)
+    plurals, listed, broader = _listed()
+    nouns = dict(listed)  # a store's words are added to it
     glued = {noun.replace(" ", ""): noun for noun in nouns if " " in noun}
     for name in [*words.categories, *(word for word, _ in words.names)]:
         one = inflection.singular(name.lower(), plurals)
