@@ -87,6 +87,8 @@ class Batch:
     removed_sightings: Sequence[tuple[str, int, int]] = ()  # object_id, place, start_ms
     removed_encounters: Sequence[tuple[str, str, int, int, int]] = ()  # a, b, places, start_ms
     removed_regions: Sequence[str] = ()
+    removed_views: Sequence[tuple[str, str, int]] = ()  # site, recording, start_ms
+    removed_keyframes: Sequence[str] = ()  # by key; none that the batch puts
     meta: Mapping[str, Any] = field(default_factory=dict)
     state: bytes | None = None
 
@@ -132,6 +134,13 @@ class Store(Protocol):
 
     def collect_keyframes(self, keep: Sequence[str] = ()) -> int:
         """Remove pictures that no sighting or encounter refers to, but for `keep`; count them."""
+        ...
+
+    def scrub(self) -> bool:
+        """Leave no byte of what was removed in the store's files; False: a server's own affair.
+
+        Raises StoreError where another process keeps the old state open; call it again then.
+        """
         ...
 
     # OIc
@@ -269,6 +278,13 @@ class Store(Protocol):
 
     def check(self) -> list[str]:
         """Return what is damaged or dangling, a sentence each; [] for a sound store."""
+        ...
+
+    def repair(self) -> list[str]:
+        """Mend what `check` finds, where it can be: a sentence for each change, [] for none.
+
+        Nothing is made up: what dangles is removed, indexes are built anew.
+        """
         ...
 
     def tracing(self, observer: Callable[[NativeQuery], None] | None) -> None:

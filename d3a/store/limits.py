@@ -64,6 +64,11 @@ def check_batch(batch: Batch) -> None:
     _each("removal", batch.removed_stays, _key)
     _each("removal", batch.removed_sightings, _key)
     _each("removal", batch.removed_encounters, _key)
+    _each("removal", batch.removed_views, _view_key)
+    _each("removal", [(key,) for key in batch.removed_keyframes], _key)
+    both = {picture.key for picture in batch.keyframes}.intersection(batch.removed_keyframes)
+    if both:
+        raise StoreRefused(f"picture {min(both)!r} is both put and removed in one batch")
     _each("meta", batch.meta.items(), _meta)
     if batch.state is not None and len(batch.state) > MAX_STATE_BYTES:
         raise StoreRefused(f"a checkpoint of {len(batch.state)} bytes is over {MAX_STATE_BYTES}")
@@ -343,6 +348,13 @@ def _key(parts: Sequence[object]) -> None:
             _text("a key", part, empty=False)
         else:
             _whole("a key's number", part)
+
+
+def _view_key(parts: tuple[str, str, int]) -> None:
+    site, recording, start_ms = parts
+    _text("site", site)
+    _text("recording", recording)
+    _whole("start", start_ms)
 
 
 def _meta(entry: tuple[str, Any]) -> None:

@@ -21,7 +21,7 @@ from pymongo import MongoClient
 from pymongo.database import Database
 
 from d3a.model import Json
-from d3a.store import mongo_check, mongo_read
+from d3a.store import mongo_check, mongo_read, mongo_repair
 from d3a.store import mongo_documents as documents
 from d3a.store.base import (
     Area,
@@ -118,6 +118,10 @@ class MongoStore:
                 self._db["keyframes"].delete_many({"_id": {"$in": part}}).deleted_count
                 for part in in_parts(sorted(unused))
             )
+
+    def scrub(self) -> bool:
+        """Return False: a server frees the space of removed documents at its own pace."""
+        return False
 
     # reading
     def _find(self, name: str, find: Find) -> list[Document]:
@@ -318,6 +322,13 @@ class MongoStore:
         """Return what is damaged or dangling, a sentence each; [] for a sound store."""
         with self._translated(self.uri):
             return mongo_check.check(self._db)
+
+    def repair(self) -> list[str]:
+        """Mend what `check` finds, where it can be; a sentence for each change."""
+        with self._writing():
+            if self._unfinished:
+                self.recover()
+            return mongo_repair.repair(self._db)
 
     def tracing(self, observer: Callable[[NativeQuery], None] | None) -> None:
         """Call `observer` after every find, with its plan; None stops it."""

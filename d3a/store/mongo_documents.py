@@ -61,9 +61,9 @@ def encounter_id(a: str, b: str, place_a: int, place_b: int, start_ms: int) -> s
     return json.dumps([a, b, int(place_a), int(place_b), int(start_ms)], ensure_ascii=False)
 
 
-def view_id(record: View) -> str:
+def view_key(site: str, recording: str, start_ms: int) -> str:
     """Return `_id` of a view: its key as JSON."""
-    return json.dumps([record.site, record.recording, int(record.start_ms)], ensure_ascii=False)
+    return json.dumps([site, recording, int(start_ms)], ensure_ascii=False)
 
 
 def object_document(record: ObjectRecord) -> Document:
@@ -254,7 +254,7 @@ def view_document(record: View) -> Document:
     """Return a document of `views`."""
     numbers = {name: getattr(record, name) for name in _VIEW_NUMBERS}
     return {
-        "_id": view_id(record),
+        "_id": view_key(record.site, record.recording, record.start_ms),
         "start": date(record.start_ms),
         "end": date(record.end_ms),
         "frames": int(record.frames),

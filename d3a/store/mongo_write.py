@@ -148,6 +148,9 @@ class Writer:
         self._bulk("oic", [DeleteOne({"_id": object_id}) for object_id in objects])
         self._remove_sightings(batch.removed_sightings)
         self._bulk("regions", [DeleteOne({"_id": name}) for name in batch.removed_regions])
+        views = [DeleteOne({"_id": documents.view_key(*key)}) for key in batch.removed_views]
+        self._bulk("views", views)
+        self._bulk("keyframes", [DeleteOne({"_id": key}) for key in batch.removed_keyframes])
 
     def _remove_sightings(self, keys: Sequence[tuple[str, int, int]]) -> None:
         layout = self._layout({(object_id, int(place)) for object_id, place, _ in keys})

@@ -79,6 +79,8 @@ _REMOVALS = (
     "removed_sightings",
     "removed_encounters",
     "removed_regions",
+    "removed_views",
+    "removed_keyframes",
 )
 
 
@@ -94,7 +96,7 @@ def batch_from_json(value: Json) -> Batch:
     put: dict[str, Any] = {name: [] for name in BATCH_FIELDS.values()}
     for record in value["put"]:
         put[BATCH_FIELDS[record["kind"]]].append(from_json(record))
-    removed: dict[str, Any] = {name: _frozen(value[name]) for name in _REMOVALS}
+    removed: dict[str, Any] = {name: _frozen(value.get(name, ())) for name in _REMOVALS}
     return Batch(**put, **removed, meta=value["meta"])
 
 

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from d3a.model import Json
-from d3a.store import schema, sqlite_check, sqlite_read
+from d3a.store import schema, sqlite_check, sqlite_read, sqlite_repair
 from d3a.store.base import (
     Area,
     Batch,
@@ -126,6 +126,21 @@ class SqliteStore:
                 "AND NOT EXISTS (SELECT 1 FROM encounter WHERE image = key)",
                 (json.dumps(list(keep)),),
             ).rowcount
+
+    def scrub(self) -> bool:
+        """Write the file anew without what was removed, and empty the log.
+
+        Needs as much free disk as the file is large.
+        """
+        with self._lock, self._translated():
+            self._db.execute("VACUUM")
+            (busy, _, _) = self._db.execute("PRAGMA wal_checkpoint(TRUNCATE)").fetchone()
+        if busy:
+            raise StoreError(
+                f"{self.uri}: another process is reading, so the log could not be emptied; "
+                "what was removed may still be in it: end that process and scrub again"
+            )
+        return True
 
     # reading
     def _rows(self, text: str, parameters: dict[str, Any] | None = None) -> list[Row]:
@@ -290,6 +305,11 @@ class SqliteStore:
         """Return what is damaged or dangling, a sentence each; [] for a sound store."""
         with self._lock, self._translated():
             return sqlite_check.check(self._db, trees=self._trees)
+
+    def repair(self) -> list[str]:
+        """Mend what `check` finds, where it can be, in one transaction; a sentence each."""
+        with self._lock, self._transaction():
+            return sqlite_repair.repair(self._db, trees=self._trees)
 
     def tracing(self, observer: Callable[[NativeQuery], None] | None) -> None:
         """Call `observer` after every query of a question; None stops it."""

@@ -131,6 +131,13 @@ class Writer:
         self._db.executemany(
             "DELETE FROM region WHERE name = ?", ((name,) for name in batch.removed_regions)
         )
+        self._db.executemany(
+            "DELETE FROM seen_area WHERE site = ? AND recording = ? AND start_ms = ?",
+            ((site, recording, int(start)) for site, recording, start in batch.removed_views),
+        )
+        self._db.executemany(
+            "DELETE FROM keyframe WHERE key = ?", ((key,) for key in batch.removed_keyframes)
+        )
 
     def _remove_stay(self, stay: StayKey) -> None:
         stay_id = self._stay_id(stay)

@@ -194,6 +194,8 @@ def batches(draw: st.DrawFn) -> Batch:
             st.lists(st.tuples(ids, ids, places, places, instants), max_size=1)
         ),
         removed_regions=draw(st.lists(st.just("kitchen"), max_size=1)),
+        removed_views=draw(st.lists(st.tuples(texts, texts, instants), max_size=1)),
+        removed_keyframes=draw(st.lists(st.sampled_from(PICTURES), max_size=1)),
         meta=draw(st.dictionaries(st.sampled_from(["zone", "$set", "a.b"]), values, max_size=2)),
         state=draw(st.none() | st.binary(max_size=3)),
     )

@@ -101,6 +101,10 @@ class OracleStore:
         }
         for name in batch.removed_regions:
             self._regions.pop(name, None)
+        for view in batch.removed_views:
+            self._views.pop(view, None)
+        for key in batch.removed_keyframes:
+            self._keyframes.pop(key, None)
 
     def collect_keyframes(self, keep: Sequence[str] = ()) -> int:
         used = {r.image for r in self._sightings.values()}
@@ -109,6 +113,12 @@ class OracleStore:
         for key in unused:
             del self._keyframes[key]
         return len(unused)
+
+    def scrub(self) -> bool:
+        return True
+
+    def repair(self) -> list[str]:
+        return []
 
     def objects(
         self,
