@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from grammar import numbers
 from grammar.closed import is_open, words_of
 from grammar.forms import ObjectTerm, Select
+from grammar.lalr import Token
 from grammar.nouns import NounReader
 from grammar.phrases import breaks, by_first, phrases
 from grammar.vocabulary import Lexicon
@@ -21,11 +22,9 @@ PRONOUNS = words_of("it they them these those he him she")
 
 
 @dataclass(frozen=True, slots=True)
-class Tag:
+class Tag(Token):
     """A terminal of question.lark with its value; `word` is where it stands in the text."""
 
-    type: str
-    value: object
     word: Word
 
 

@@ -1,39 +1,68 @@
-"""Lark's LALR parser over tokens that are typed already, and its tables kept between processes.
+"""An LALR(1) parser over tokens that are typed already, driven by tables made ahead of time.
 
-Building the tables costs more than a hundred questions, so they are kept as JSON beside their
-grammar (`python -m grammar.tables` writes them). A table is used only when it was made from the
-very grammar text, terminals and release of Lark at hand; otherwise it is built anew.
+Lark reads the grammars and computes their tables (`python -m grammar.tables` writes them as JSON);
+a question only walks them: importing Lark costs more than a hundred questions, and it is loaded
+where a table is not of the very grammar beside it, which is then made anew.
 """
 
 from __future__ import annotations
 
-import hashlib
 import json
-import re
-from collections.abc import Iterator
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
-
-import lark
-from lark import Lark, Token, Transformer
-from lark.grammar import Rule
-from lark.lexer import Lexer, TerminalDef
+from typing import Any, NamedTuple
 
 _HERE = Path(__file__).parent
-_TERMINAL = re.compile(r"\b_?[A-Z][A-Z0-9_]*\b")
-_COMMENT = re.compile(r"//.*")
+FORMAT = 1
+"""The layout of the tables; to be raised with every change of it."""
+END = "$END"
+"""The terminal after the last token."""
 
 
-class Typed(Lexer):
-    """A lexer of tokens that are there already: it hands them on."""
+@dataclass(frozen=True, slots=True)
+class Token:
+    """A terminal of a grammar with its value; what reads the words derives from it."""
 
-    def __init__(self, lexer_conf: Any) -> None:
-        """Take what Lark gives every lexer; nothing of it is needed."""
+    type: str
+    value: Any
 
-    def lex(self, data: Any, parser_state: Any = None) -> Iterator[Token]:
-        """Yield the tokens."""
-        return iter(data)
+
+class UnreadError(Exception):
+    """No rule goes on with the token at `index`, the number of tokens where all were read."""
+
+    def __init__(self, index: int) -> None:
+        """Say where it broke off."""
+        super().__init__(f"no rule goes on with token {index}")
+        self.index = index
+
+
+class Rule(NamedTuple):
+    """One way of saying a rule.
+
+    origin: the rule. size: how many symbols it has. kept: the index of each symbol that the rule's
+    method is given, None for all; one below zero, ~i, stands for the list of a repetition at i.
+    method: the name of the method, empty for a repetition, whose value is the list of its parts.
+    single: the value of a lone part is that part.
+    """
+
+    origin: str
+    size: int
+    kept: list[int] | None
+    method: str
+    single: bool
+
+
+class Tables(NamedTuple):
+    """What a grammar says, ready to be walked.
+
+    states: for each state, the next state after a symbol, or ~n below zero: reduce by rule n.
+    starts: for each start rule, the state it begins in.
+    """
+
+    rules: list[Rule]
+    states: list[dict[str, int]]
+    starts: dict[str, int]
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,62 +74,93 @@ class Source:
 
     @property
     def text(self) -> str:
-        """The grammar with its terminals declared."""
-        written = (_HERE / self.name).read_text(encoding="utf-8")
-        terminals = sorted(set(_TERMINAL.findall(_COMMENT.sub("", written))))
-        return f"{written}%declare {' '.join(terminals)}\n"
+        """The grammar as it is written."""
+        return (_HERE / self.name).read_text(encoding="utf-8")
 
     @property
-    def tables(self) -> Path:
+    def path(self) -> Path:
         """Where the tables are kept."""
         return (_HERE / self.name).with_suffix(".tables.json")
 
     @property
-    def digest(self) -> str:
-        """What the tables were made from, in short."""
-        parts = (lark.__version__, self.text, *self.start)
-        return hashlib.sha256("\n".join(parts).encode()).hexdigest()
+    def made_from(self) -> list[Any]:
+        """What tables must say they were made from to be this grammar's."""
+        return [FORMAT, list(self.start), self.text]
+
+    def tables(self) -> Tables:
+        """Return the tables: the kept ones where they are of this grammar, else new ones."""
+        kept = self.kept()
+        if kept is not None:
+            return kept
+        from grammar.tables import computed  # Lark: only for a grammar that was just changed
+
+        return computed(self)
+
+    def kept(self) -> Tables | None:
+        """Return the tables of the file beside the grammar, None where they are of another text."""
+        if not self.path.exists():
+            return None
+        record = json.loads(self.path.read_text(encoding="utf-8"))
+        if record["made_from"] != self.made_from:
+            return None
+        return Tables([Rule(*rule) for rule in record["rules"]], record["states"], record["starts"])
 
 
-def parser(source: Source, transformer: Transformer[Token, Any]) -> Lark:
-    """Return the parser of a grammar, from its tables where they are of this grammar."""
-    if source.tables.exists():
-        kept = json.loads(source.tables.read_text(encoding="utf-8"), object_hook=_numbered)
-        if kept["digest"] == source.digest:
-            return _loaded(kept["data"], kept["memo"], transformer)
-    return _built(source, transformer)
+class Parser:
+    """Walks the tables; the methods of `forms` bear the rules' names and make their values."""
+
+    def __init__(self, tables: Tables, forms: object) -> None:
+        """Take the tables of a grammar and what its rules mean."""
+        self._states, self._starts = tables.states, tables.starts
+        self._rules = tables.rules
+        self._methods: list[Any] = [getattr(forms, rule.method, None) for rule in tables.rules]
+
+    def parse(self, tokens: Sequence[Token], start: str = "start") -> Any:
+        """Return the value of the rule `start` over all tokens.
+
+        Raises UnreadError, and what the methods of the forms raise.
+        """
+        states, values = [self._starts[start]], list[Any]()
+        for index, token in enumerate(tokens):
+            states.append(self._reduced(token.type, index, states, values))
+            values.append(token)
+        self._reduced(END, len(tokens), states, values)
+        value: Any = values[0]
+        return value
+
+    def _reduced(self, symbol: str, index: int, states: list[int], values: list[Any]) -> int:
+        """Reduce what ends before the terminal `symbol`; return the state after it."""
+        while True:
+            action = self._states[states[-1]].get(symbol)
+            if action is None:
+                raise UnreadError(index)
+            if action >= 0:
+                return action
+            self._reduce(~action, states, values)
+
+    def _reduce(self, number: int, states: list[int], values: list[Any]) -> None:
+        """Put the value of a rule in the place of the values of its symbols."""
+        origin, size, kept, method, single = self._rules[number]
+        parts: list[Any] = values[-size:] if size else []
+        if size:
+            del states[-size:], values[-size:]
+        if kept is not None:
+            parts = _chosen(parts, kept)
+        states.append(self._states[states[-1]][origin])
+        if not method:
+            values.append(parts)
+        elif single and len(parts) == 1:
+            values.append(parts[0])
+        else:
+            values.append(self._methods[number](*parts))
 
 
-def _numbered(record: dict[str, Any]) -> dict[Any, Any]:
-    """Return a record with its keys as the numbers that JSON wrote as text."""
-    return {int(key) if key.isdecimal() else key: value for key, value in record.items()}
-
-
-def _built(source: Source, transformer: Transformer[Token, Any] | None) -> Lark:
-    return Lark(
-        source.text,
-        parser="lalr",
-        lexer=Typed,
-        start=list(source.start),
-        transformer=transformer,
-        maybe_placeholders=False,
-    )
-
-
-def _loaded(data: Any, memo: Any, transformer: Transformer[Token, Any]) -> Lark:
-    data["options"]["lexer"] = Typed
-    data["parser"]["lexer_conf"]["lexer_type"] = Typed
-    loaded: Lark = Lark._load_from_dict(  # type: ignore[no-untyped-call]  # as `load` does
-        data, memo, transformer=transformer
-    )
-    return loaded
-
-
-def write(source: Source) -> None:
-    """Write the tables of a grammar beside it."""
-    data, memo = _built(source, None).memo_serialize([TerminalDef, Rule])
-    data["options"]["lexer"] = data["parser"]["lexer_conf"]["lexer_type"] = "typed"
-    record = {"digest": source.digest, "data": data, "memo": memo}
-    source.tables.write_text(
-        json.dumps(record, separators=(",", ":"), sort_keys=True) + "\n", encoding="utf-8"
-    )
+def _chosen(parts: list[Any], kept: Sequence[int]) -> list[Any]:
+    """Return the parts that a rule hands on, those of its repetitions among them."""
+    found: list[Any] = []
+    for index in kept:
+        if index < 0:
+            found += parts[~index]
+        else:
+            found.append(parts[index])
+    return found

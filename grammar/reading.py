@@ -7,9 +7,6 @@ from datetime import datetime, timedelta
 from functools import lru_cache
 from typing import Any
 
-from lark import Lark, Token
-from lark.exceptions import UnexpectedInput
-
 from grammar import antecedent, clock, lalr, scope, speech, tagger, timespan
 from grammar.cursor import TIME_GAP, Tagged
 from grammar.days import TimeAmbiguityError, TimeError
@@ -25,8 +22,8 @@ QUESTION = lalr.Source("question.lark", ("start", "fragment"))
 
 
 @lru_cache(maxsize=1)
-def _parser() -> Lark:
-    return lalr.parser(QUESTION, Meanings())
+def _parser() -> lalr.Parser:
+    return lalr.Parser(QUESTION.tables(), Meanings())
 
 
 def month_first(now: datetime) -> bool | None:
@@ -118,16 +115,12 @@ class Reading:
     def parsed(self, found: Terminals, start: str) -> Any:
         """Parse the terminals from the rule `start`."""
         tags = found.tagged.tags
-        tokens = [Token(t.type, t.value, start_pos=i) for i, t in enumerate(tags)]
         try:
-            return _parser().parse(tokens, start=start)
+            return _parser().parse(tags, start)
         except MeaningError as error:
             raise self._refused(error, found.words) from error
-        except UnexpectedInput as error:
-            token = getattr(error, "token", None)
-            index = getattr(token, "start_pos", None)
-            at_end = token is None or token.type == "$END"
-            word = None if at_end or index is None else tags[index].word
+        except lalr.UnreadError as error:
+            word = tags[error.index].word if error.index < len(tags) else None
             raise scope.unread(self.text, found.words, word, found.tagged, self.lexicon) from error
 
     def finished(self, meaning: Meaning, found: Terminals) -> FormalQuery:

@@ -42,7 +42,7 @@ def _known(words: StoreWords) -> tuple[frozenset[str], tuple[str, ...]]:
     targets.update(("beside", "together", "without", "many", "last", "before", "after", "since"))
     known = set(targets) | CLOSED | lex.names | lex.parts | set(lex.patterns) | lex.shades
     known |= set(numbers.CARDINALS) | set(numbers.ORDINALS) | set(tw.UNITS) | set(tw.MONTH_NUMBER)
-    known |= set(tw.WEEKDAY_NUMBER) | set(tw.SEASONS) | set(tw.HOLIDAYS)
+    known |= set(tw.WEEKDAY_NUMBER) | set(tw.SEASONS) | set(tw.HOLIDAYS) | set(tw.FIXED_CLOCKS)
     for phrase in (*tw.PHRASES, *tw.HOLIDAYS, *phrases.spoken(), *scope.spoken()):
         known.update(phrase.split())
     for section in files.sections("speech.txt").values():

@@ -5,9 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from lark import Token, Transformer, v_args
-
 from grammar.forms import ANYTHING, ObjectTerm, RelationKind
+from grammar.lalr import Token
 from grammar.meaning import AtPlace, Choice, Group, Here, Item, Related, SideBySide, Things
 from grammar.nouns import Attribute, Noun, Pattern
 
@@ -49,8 +48,7 @@ def items_of(words: tuple[Any, ...]) -> tuple[Item, ...]:
     return tuple(item for tail in tails if isinstance(tail, tuple) for item in tail)
 
 
-@v_args(inline=True)
-class Terms(Transformer[Token, Any]):
+class Terms:
     """question.lark from `things` down; each method bears its rule's name."""
 
     # -- verbs ------------------------------------------------------------------------------------

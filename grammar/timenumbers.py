@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from grammar import numbers
 from grammar import timewords as tw
 from grammar.closed import is_open
+from grammar.lalr import Token
 
 _ISO = re.compile(r"(\d{4})[-/.](\d{1,2})[-/.](\d{1,2})(?:t(\d{1,2}):(\d{2})(?::(\d{2}))?)?$")
 _SLASHED = re.compile(r"(\d{1,2})[-/.](\d{1,2})(?:[-/.](\d{4}|\d{2}))?$")
@@ -17,11 +18,9 @@ _MONTH = re.compile(r"(\d{4})[-/](\d{1,2})$|(\d{1,2})/(\d{4})$")
 
 
 @dataclass(frozen=True, slots=True)
-class TimeToken:
+class TimeToken(Token):
     """A terminal of time.lark with its value; it covers words[first:last]."""
 
-    type: str
-    value: object
     first: int
     last: int
 

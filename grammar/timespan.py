@@ -5,10 +5,6 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any
-
-from lark import Lark, Token
-from lark.exceptions import UnexpectedInput
 
 from grammar import lalr
 from grammar.closed import is_open
@@ -31,8 +27,8 @@ class Found:
 
 
 @lru_cache(maxsize=1)
-def _parser() -> Lark:
-    return lalr.parser(TIME, TimeForms())
+def _parser() -> lalr.Parser:
+    return lalr.Parser(TIME.tables(), TimeForms())
 
 
 def find(words: list[str]) -> list[Found]:
@@ -84,14 +80,11 @@ def _longest(run: list[TimeToken], start: int, words: list[str]) -> tuple[Spoken
 
 def _parse(tokens: list[TimeToken]) -> tuple[SpokenTime | None, int]:
     """Parse the tokens; without success, return how many of them could be read."""
-    typed = [Token(t.type, t.value, start_pos=i) for i, t in enumerate(tokens)]
     try:
-        said: Any = _parser().parse(typed)  # its transformer makes a SpokenTime of the tree
-        return said, len(tokens)
-    except UnexpectedInput as error:
-        token = getattr(error, "token", None)
-        position = getattr(token, "start_pos", None)
-        return None, len(tokens) if token is None or token.type == "$END" else (position or 0)
+        said: SpokenTime = _parser().parse(tokens)
+    except lalr.UnreadError as error:
+        return None, error.index
+    return said, len(tokens)
 
 
 def _false_friend(run: list[TimeToken], start: int, stop: int, words: list[str]) -> bool:

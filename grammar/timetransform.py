@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from lark import Token, Transformer, v_args
-
+from grammar.lalr import Token
 from grammar.timeforms import (
     Ago,
     Bound,
@@ -32,8 +31,7 @@ from grammar.timeforms import (
 )
 
 
-@v_args(inline=True)
-class TimeForms(Transformer[Token, Any]):
+class TimeForms:
     """The rules of time.lark; each method bears its rule's name."""
 
     def at(self, *pieces: Piece) -> SpokenTime:
@@ -105,11 +103,11 @@ class TimeForms(Transformer[Token, Any]):
 
     def past_one(self, unit: Token) -> Bound:
         """bound: _LASTN1 UNIT."""
-        return Bound("past", (), Length(((1, str(unit)),)))
+        return Bound("past", (), Length(((1, unit.value),)))
 
     def past_one_half(self, unit: Token) -> Bound:
         """bound: _LASTN1 UNIT _HALF."""
-        return Bound("past", (), Length(((1.5, str(unit)),)))
+        return Bound("past", (), Length(((1.5, unit.value),)))
 
     def ago(self, length: Length) -> Ago:
         """piece: duration _AGO."""
@@ -121,15 +119,15 @@ class TimeForms(Transformer[Token, Any]):
 
     def whole(self, token: Token) -> Whole:
         """piece: WHOLE."""
-        return Whole(str(token))
+        return Whole(token.value)
 
     def part(self, token: Token) -> Part:
         """piece: PART."""
-        return Part(str(token))
+        return Part(token.value)
 
     def partday(self, name: Token) -> PartDay:
         """piece: PARTDAY."""
-        return PartDay(str(name))
+        return PartDay(name.value)
 
     def moment_now(self, _now: Token) -> Now:
         """piece: NOW."""
@@ -234,15 +232,15 @@ class TimeForms(Transformer[Token, Any]):
 
     def last_unit(self, unit: Token) -> Calendar:
         """span: _LAST UNIT."""
-        return Calendar(str(unit), 1)
+        return Calendar(unit.value, 1)
 
     def this_unit(self, unit: Token) -> Calendar:
         """span: _THIS UNIT."""
-        return Calendar(str(unit), 0)
+        return Calendar(unit.value, 0)
 
     def back(self, unit: Token) -> Calendar | Weekend:
         """span: BACK."""
-        return Weekend(last=True, back=1) if unit == "weekend" else Calendar(str(unit), 2)
+        return Weekend(last=True, back=1) if unit.value == "weekend" else Calendar(unit.value, 2)
 
     def weekend(self, _weekend: Token) -> Weekend:
         """span: WEEKEND | _THIS WEEKEND."""
@@ -254,7 +252,7 @@ class TimeForms(Transformer[Token, Any]):
 
     def nth_unit(self, number: Token, unit: Token) -> Nth:
         """span: NTH UNIT."""
-        return Nth(number.value, str(unit))
+        return Nth(number.value, unit.value)
 
     def nth_weekday(self, number: Token, weekday: Token) -> Nth:
         """span: NTH WEEKDAY."""
@@ -274,12 +272,12 @@ class TimeForms(Transformer[Token, Any]):
 
     def amount(self, count: Token, unit: Token) -> tuple[float, str]:
         """amount: COUNT UNIT _HALF?."""
-        return (float(count.value), str(unit))
+        return (float(count.value), unit.value)
 
     def half_more(self, count: Token, unit: Token) -> tuple[float, str]:
         """amount: COUNT UNIT _HALF."""
-        return (count.value + 0.5, str(unit))
+        return (count.value + 0.5, unit.value)
 
 
 def _meridiem(tokens: tuple[Token, ...]) -> str | None:
-    return next((str(t) for t in tokens if t.type == "MERIDIEM"), None)
+    return next((t.value for t in tokens if t.type == "MERIDIEM"), None)

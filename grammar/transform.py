@@ -5,9 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
-from lark import Token, v_args
-
 from grammar.forms import ANYTHING, ObjectTerm
+from grammar.lalr import Token
 from grammar.meaning import (
     THING,
     AtPlace,
@@ -68,7 +67,6 @@ def _described(things: Things, attributes: tuple[str, ...]) -> Things:
     return Things(Group(terms, things.group.choice), things.items)
 
 
-@v_args(inline=True)
 class Meanings(Terms):
     """question.lark -> Meaning."""
 

@@ -17,6 +17,7 @@ from lark import Lark
 from grammar import NotUnderstood, QuestionError, parse
 from grammar.forms import FormalQuery
 from grammar.reading import QUESTION
+from grammar.tables import declared
 from grammar.words import MAX_CHARACTERS, MAX_WORDS
 
 NOW = datetime(2026, 3, 8, 3, 30, tzinfo=ZoneInfo("America/New_York"))
@@ -156,7 +157,7 @@ def check(text: str) -> None:
 def sentences_of_the_grammar() -> st.SearchStrategy[str]:
     """Return sentences drawn from question.lark, each terminal said in words."""
     said = {name: st.just(f"{word} ") for name, word in SAID.items()}
-    grammar = Lark(QUESTION.text, parser="lalr", lexer="basic", start=["start"])
+    grammar = Lark(declared(QUESTION), parser="lalr", lexer="basic", start=["start"])
     return from_lark(grammar, start="start", explicit=said)
 
 
