@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import lru_cache
 
-from rapidfuzz import fuzz, process
-
 from grammar import vocabulary
 from grammar.vocabulary import lexicon
 
@@ -38,6 +36,8 @@ class VocabularyLexicon:
 
         Words of one kind share a broader word: a wallet is nearer to a handbag than to a wall.
         """
+        from rapidfuzz import fuzz, process  # only a word without an answer needs it
+
         kinds = set(self.broader(self.canonical(word)))
         kin = [w for w in among if kinds & {*self.broader(self.canonical(w)), self.canonical(w)}]
         alike = process.extract(word, among, scorer=fuzz.ratio, score_cutoff=LEAST_ALIKE, limit=3)
