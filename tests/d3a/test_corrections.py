@@ -1,0 +1,120 @@
+"""What people said later, and taking it back: on drawn homes, over all stores."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Sequence
+from typing import Any
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from d3a import teaching
+from d3a.constraints import HISTORY
+from d3a.corrections import UnknownThing
+from d3a.ingest import ingest
+from d3a.model import BadInput, Frame, Json
+from d3a.parameters import PROFILES, Parameters
+from d3a.store.base import Batch, Store, StoreRefused
+from tests.worlds.histories import batches
+from tests.worlds.oracle import OracleStore
+from tests.worlds.rounds import ListReader, Thing, circle, rounds
+
+drawn_things = st.lists(
+    st.tuples(st.sampled_from(["cup", "bowl"]), st.integers(0, 7), st.integers(0, 3)),
+    min_size=2,
+    max_size=6,
+)
+
+
+def frames_of(drawn: Sequence[tuple[str, int, int]], seed: int, count: int = 40) -> list[Frame]:
+    spots = circle(1.5, 8)
+    things = [
+        Thing(category, spots[at], look, since=7 * n, until=10**9 if n % 2 else 25)
+        for n, (category, at, look) in enumerate(drawn)
+    ]
+    return rounds(things, count, seed, noise_m=0.1, missed=0.3)
+
+
+def parameters(profile: str = "default", **changes: Any) -> Parameters:
+    given_ = {"stm_capacity": 4, "checkpoint_frames": 10, "interval_gap_s": 30.0}
+    return PROFILES[profile].with_changes(**(given_ | changes))
+
+
+def filled(frames: Sequence[Frame], numbers: Parameters, **how: Any) -> OracleStore:
+    store = OracleStore()
+    ingest(ListReader(frames), store, numbers, **how)
+    return store
+
+
+def content(store: Store) -> list[Json]:
+    """Everything but the history, which keeps the last number that was given."""
+    return [r for r in store.dump() if r.get("key") != HISTORY]
+
+
+def correct(store: Store, kind: int, a: int, b: int) -> bool:
+    """Say one thing, of those that can be said; return whether it was taken."""
+    ids = [r.object_id for r in store.objects()]
+    stays = store.stays()
+    try:
+        if kind == 0 and ids:
+            teaching.merge(store, ids[a % len(ids)], ids[b % len(ids)], force=True)
+        elif kind == 1 and stays:
+            teaching.split(store, *stays[a % len(stays)].key)
+        elif kind == 2 and ids:
+            return teaching.teach_name(store, ids[a % len(ids)], f"name {b}", "anna").number > 0
+        elif kind == 3:
+            teaching.name_place(store, f"room {a % 3}", around=(a, b), replace=bool(b % 2))
+        elif kind == 4 and store.regions():
+            teaching.rename_place(store, store.regions()[0].name, f"hall {a}")
+        elif kind == 5 and store.regions():
+            teaching.remove_place(store, store.regions()[0].name)
+        elif kind == 6:
+            teaching.put_map(store, {"drawn": a}, "a map")
+        else:
+            return False
+    except BadInput:
+        return False
+    return True
+
+
+drawn_words = st.lists(
+    st.tuples(st.integers(0, 6), st.integers(0, 9), st.integers(0, 9)), min_size=1, max_size=8
+)
+
+
+@settings(deadline=None, max_examples=60, suppress_health_check=[HealthCheck.too_slow])
+@given(drawn=drawn_things, seed=st.integers(0, 99), said=drawn_words)
+def test_undoing_everything_restores_the_very_store(
+    drawn: list[tuple[str, int, int]], seed: int, said: list[tuple[int, int, int]]
+) -> None:
+    store = filled(frames_of(drawn, seed), parameters(new_thing_odds=1.0))
+    states = [content(store)]
+    for each in said:
+        if correct(store, *each):
+            states.append(content(store))
+        assert store.check() == []
+    while len(states) > 1:
+        assert content(store) == states.pop()
+        teaching.undo(store)
+    assert content(store) == states.pop()
+    with pytest.raises(UnknownThing, match="nothing to undo"):
+        teaching.undo(store)
+
+
+@settings(deadline=None, max_examples=60, suppress_health_check=[HealthCheck.too_slow])
+@given(history=st.lists(batches(), max_size=5), said=drawn_words)
+def test_undo_restores_any_store(history: list[Batch], said: list[tuple[int, int, int]]) -> None:
+    store = OracleStore()
+    for batch in history:
+        with contextlib.suppress(StoreRefused):  # some are drawn to dangle
+            store.apply(batch)
+    states = [content(store)]
+    for each in said:
+        if correct(store, *each):
+            states.append(content(store))
+    while len(states) > 1:
+        assert content(store) == states.pop()
+        teaching.undo(store)
+    assert content(store) == states.pop()
