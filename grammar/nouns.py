@@ -144,7 +144,7 @@ class NounReader:
         """Return the length of the longest listed compound at `i`, 0 for none."""
         for size in range(min(_MAX_COMPOUND, end - i), 1, -1):
             said = " ".join(w.text for w in words[i : i + size])
-            if self.lexicon.known_noun(said) or said.replace(" ", "") in self.lexicon.single:
+            if self.lexicon.known_noun(said) or self.lexicon.is_one_word(said.replace(" ", "")):
                 return size
         return 0
 

@@ -7,6 +7,7 @@ or the word is as good a noun as any, nothing is changed: any noun may be asked 
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
@@ -30,36 +31,52 @@ class Correction:
 
 
 @lru_cache(maxsize=16)
-def _known(words: StoreWords) -> tuple[frozenset[str], tuple[str, ...]]:
-    """Return every word that needs no correction, and those a slip may be corrected to."""
+def _meant(words: StoreWords) -> frozenset[str]:
+    """Return the words that people ask by: what is not of them may be a slip of one."""
     lex = lexicon(words)
-    targets: set[str] = set()
-    for phrase in (*lex.nouns, *lex.attributes, *lex.places, *lex.plurals):
-        targets.update(phrase.split())
+    targets = _words_in((*lex.nouns, *lex.attributes, *lex.places, *lex.plurals))
     targets.update(lex.plurals.values())
     targets.update((*tw.WEEKDAYS, *tw.MONTHS, *tw.PARTS, "yesterday", "today", "tonight"))
     targets.update(("where", "what", "when", "which", "there", "between", "behind", "under"))
     targets.update(("beside", "together", "without", "many", "last", "before", "after", "since"))
-    known = set(targets) | CLOSED | lex.names | lex.parts | set(lex.patterns) | lex.shades
-    known |= set(numbers.CARDINALS) | set(numbers.ORDINALS) | set(tw.UNITS) | set(tw.MONTH_NUMBER)
-    known |= set(tw.WEEKDAY_NUMBER) | set(tw.SEASONS) | set(tw.HOLIDAYS) | set(tw.FIXED_CLOCKS)
-    for phrase in (*tw.PHRASES, *tw.HOLIDAYS, *phrases.spoken(), *scope.spoken()):
-        known.update(phrase.split())
+    return frozenset(targets)
+
+
+@lru_cache(maxsize=16)
+def _targets(words: StoreWords) -> tuple[str, ...]:
+    """Return the words that a slip may be corrected to, in order."""
+    return tuple(sorted(word for word in _meant(words) if len(word) >= _MIN_LETTERS))
+
+
+@lru_cache(maxsize=16)
+def _known(words: StoreWords) -> frozenset[str]:
+    """Return every word that needs no correction."""
+    lex = lexicon(words)
+    known = set(_meant(words))
+    known.update(CLOSED, lex.names, lex.parts, lex.patterns, lex.shades)
+    known.update(numbers.CARDINALS, numbers.ORDINALS, tw.UNITS, tw.MONTH_NUMBER)
+    known.update(tw.WEEKDAY_NUMBER, tw.SEASONS, tw.HOLIDAYS, tw.FIXED_CLOCKS)
+    known |= _words_in((*tw.PHRASES, *tw.HOLIDAYS, *phrases.spoken(), *scope.spoken()))
     for section in files.sections("speech.txt").values():
-        known.update(word for line in section for word in line.split())
-    return frozenset(known), tuple(sorted(word for word in targets if len(word) >= _MIN_LETTERS))
+        known |= _words_in(section)
+    return frozenset(known)
+
+
+def _words_in(said: Iterable[str]) -> set[str]:
+    """Return the words of phrases; one split of all of them is a tenth of a split of each."""
+    return set(" ".join(said).split())
 
 
 def corrected(
     words: list[Word], lex: Lexicon, store: StoreWords
 ) -> tuple[list[Word], tuple[Correction, ...]]:
     """Return the words with slips made good, and what was changed."""
-    known, targets = _known(store)
+    known = _known(store)
     out: list[Word] = []
     changed: list[Correction] = []
     for i, word in enumerate(words):
         taken = _misread(word, known) or _small_word(words, i, known, lex)
-        taken = taken or _taken(word, known, targets, lex)
+        taken = taken or _taken(word, known, store, lex)
         if taken is not None:
             changed.append(Correction(word.text, taken, word.start))
             word = replace(word, text=taken)
@@ -67,13 +84,14 @@ def corrected(
     return out, tuple(changed)
 
 
-def _taken(word: Word, known: frozenset[str], targets: tuple[str, ...], lex: Lexicon) -> str | None:
+def _taken(word: Word, known: frozenset[str], store: StoreWords, lex: Lexicon) -> str | None:
     text = word.text
     if text in known or len(text) < _MIN_LETTERS or not text.isalpha() or not is_open(text):
         return None
     if lex.singular(text) in known or text in lex.glued or lex.singular(text) in lex.glued:
         return None
     reach = 2 if len(text) >= 8 else 1
+    targets = _targets(store)
     nearest = _nearest(text, targets, reach)
     if not nearest and text.endswith("s") and len(text) > _MIN_LETTERS:
         one = _nearest(lex.singular(text), targets, reach)

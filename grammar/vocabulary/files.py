@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
+from functools import lru_cache
 from pathlib import Path
 
 _HERE = Path(__file__).parent
@@ -21,8 +22,9 @@ def split(text: str, mark: str = ",") -> tuple[str, ...]:
     return tuple(part.strip() for part in text.split(mark) if part.strip())
 
 
-def sections(name: str) -> dict[str, list[str]]:
-    """Return the lines of a file with `[section]` headings, by heading."""
+@lru_cache(maxsize=8)
+def sections(name: str) -> Mapping[str, Sequence[str]]:
+    """Return the lines of a file with `[section]` headings, by heading; a file is read once."""
     found: dict[str, list[str]] = {}
     current: list[str] = []
     for line in lines(name):

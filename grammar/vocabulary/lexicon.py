@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
 
@@ -12,6 +12,8 @@ from grammar.vocabulary import files, inflection
 THINGS = frozenset(
     ("thing", "anything", "something", "everything", "stuff", "object", "item", "belonging")
 )
+_LEAST_JOINED = 5
+"""Two words that join to one so short are two: to day, car pet."""
 
 
 @dataclass(frozen=True)
@@ -48,7 +50,6 @@ class Lexicon:
     names: frozenset[str]
     glued: dict[str, str] = field(repr=False)
     heads: frozenset[str] = field(repr=False)
-    single: frozenset[str] = field(repr=False)
     words: frozenset[str] = field(repr=False)
 
     def singular(self, noun: str) -> str:
@@ -63,6 +64,11 @@ class Lexicon:
         if one in self.nouns or one in THINGS:
             return one
         return None
+
+    def is_one_word(self, joined: str) -> bool:
+        """Whether words that were said apart are, joined, one listed noun: head phones."""
+        one = joined if joined in self.nouns else self.singular(joined)
+        return len(one) > _LEAST_JOINED and " " not in one and one in self.nouns
 
     def canonical(self, noun: str) -> str:
         """Return the category of a noun as said: after plural, synonyms and detector spelling.
@@ -99,7 +105,7 @@ class Lexicon:
         return tuple(w for w, c in self.nouns.items() if c == category and w != category)
 
 
-def _noun_lines() -> Iterable[tuple[str, tuple[str, ...], tuple[str, ...]]]:
+def _noun_lines() -> Iterator[tuple[str, tuple[str, ...], tuple[str, ...]]]:
     for line in files.lines("nouns.txt"):
         left, _, wide = line.partition(">")
         category, _, said = left.partition("=")
@@ -115,7 +121,7 @@ def _plural_exceptions() -> dict[str, str]:
 
 
 def _attribute_files(
-    parts: dict[str, list[str]],
+    parts: Mapping[str, Sequence[str]],
 ) -> tuple[dict[str, str], frozenset[str], dict[str, str], frozenset[str]]:
     kinds = {
         word: kind
@@ -165,12 +171,13 @@ def _nouns(plurals: dict[str, str]) -> tuple[dict[str, str], dict[str, tuple[str
     """Return the category of each noun, and the wider words of each category, as listed."""
     nouns: dict[str, str] = {}
     broader: dict[str, tuple[str, ...]] = {}
-    for category, said, wide in _noun_lines():
+    listed = list(_noun_lines())
+    for category, said, wide in listed:
         nouns[category] = category
         broader[category] = wide
         for word in said:
             nouns.setdefault(word, category)
-    for category, said, _ in _noun_lines():
+    for category, said, _ in listed:
         nouns[category] = category  # a category is never another one's synonym
         for word in said:
             nouns.setdefault(inflection.singular(word, plurals), category)
@@ -203,12 +210,6 @@ def lexicon(words: StoreWords = StoreWords()) -> Lexicon:  # frozen and empty
         relations=_relations(),
         names=frozenset(names),
         glued=glued,
-        single=frozenset(
-            form
-            for noun in nouns
-            if " " not in noun and len(noun) > 5
-            for form in (noun, inflection.plural(noun, plurals))
-        ),
         heads=frozenset(noun.rpartition(" ")[2] for noun in nouns),
         words=frozenset(word for noun in nouns for word in noun.split()),
     )
