@@ -9,6 +9,7 @@ from time import perf_counter
 from typing import Literal, cast, get_args
 from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 
+from assistant.forgotten_words import but_forgotten
 from assistant.lexicon import VocabularyLexicon
 from assistant.reply import sentence
 from assistant.tense import as_of_now
@@ -16,6 +17,7 @@ from d3a.answer import Answer, Status
 from d3a.conclude import within
 from d3a.execute import execute
 from d3a.facts import Facts
+from d3a.forgotten import FORGOTTEN
 from d3a.model import Json
 from d3a.parameters import Parameters
 from d3a.plan import Plan, Precision, plan
@@ -204,6 +206,8 @@ def ask_query(
     except StoreError as error:
         return replace(failure(query.text, error), query=query)
     said = sentence(answer, now=now)
+    if facts.meta(FORGOTTEN):
+        said = but_forgotten(said, answer)
     answer = within(replace(answer, query=query, answer=said), limit)
     return replace(answer, elapsed_ms=answer.elapsed_ms | {"total": _ms_since(started)})
 

@@ -16,6 +16,7 @@ from d3a.model import BadInput, Frame
 from d3a.parameters import Parameters
 from d3a.preparation import Preparation, Stopwatch
 from d3a.readers.base import Reader, RecordingFacts, Skipped
+from d3a.retention import retain
 from d3a.store.base import Store
 
 Progress = Callable[[int, int | None], None]
@@ -30,7 +31,7 @@ class IngestSummary:
 
     frames, detections: taken in by this run. objects, places: in the store now. seconds: by stage
     (decode, embed, tiers, store). already: the store had all of it. already_frames: how many
-    frames it had before.
+    frames it had before. forgotten: intervals that the store's retention took afterwards.
     """
 
     frames: int
@@ -41,6 +42,7 @@ class IngestSummary:
     seconds: dict[str, float] = field(default_factory=dict)
     already: bool = False
     already_frames: int = 0
+    forgotten: int = 0
 
 
 def ingest(
@@ -90,6 +92,7 @@ class _Run:
         self._detections = 0
         self._total = facts.frames
         self._names: set[str] = set()
+        self._forgotten = 0
 
     def go(
         self, on_progress: Progress | None, max_frames: int | None, assignments: Path | None
@@ -117,6 +120,10 @@ class _Run:
                 associator.finish()
             self._checkpoint(associator, log, done=True)
         log.close(done=not stopped)
+        if not stopped:
+            with self._stopwatch.stage("store"):
+                old = retain(self._store)
+            self._forgotten = 0 if old is None else old.intervals
         return self._summary(associator, had.frames)
 
     def _associator(self, facts: RecordingFacts, first: Frame) -> Associator:
@@ -181,4 +188,5 @@ class _Run:
             seconds=dict(self._stopwatch.seconds),
             already=self._frames == 0,
             already_frames=had_frames,
+            forgotten=self._forgotten,
         )

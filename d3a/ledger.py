@@ -153,9 +153,12 @@ class Ledger:
         return [kept[key] for key in sorted(kept)]
 
     def sightings(
-        self, object_ids: Sequence[str], start_ms: int | None = None, end_ms: int | None = None
+        self,
+        object_ids: Sequence[str] | None,
+        start_ms: int | None = None,
+        end_ms: int | None = None,
     ) -> list[Sighting]:
-        """Return sightings by (start, object_id, place) that touch [start, end]."""
+        """Return sightings by (start, object_id, place) that touch [start, end]; None: all."""
         stored = self._store.sightings(object_ids=object_ids, start_ms=start_ms, end_ms=end_ms)
         kept: dict[SightingKey, Sighting] = {}
         for record in stored:
@@ -166,20 +169,35 @@ class Ledger:
             kept.pop(key, None)
             late = start_ms is not None and record.end_ms < start_ms
             early = end_ms is not None and record.start_ms > end_ms
-            if record.object_id in object_ids and not late and not early:
+            asked = object_ids is None or record.object_id in object_ids
+            if asked and not late and not early:
                 kept[key] = record
         return sorted(kept.values(), key=lambda r: (r.start_ms, *r.stay))
 
-    def encounters(self, object_id: str) -> list[Encounter]:
-        """Return the encounters of an object, by their keys."""
+    def encounters(
+        self, object_id: str | None, start_ms: int | None = None, end_ms: int | None = None
+    ) -> list[Encounter]:
+        """Return the encounters of an object, None for all, that touch [start, end], by key."""
         kept: dict[EncounterKey, Encounter] = {}
-        for record in self._store.encounters(object_ids=[object_id]):
+        ids = None if object_id is None else [object_id]
+        for record in self._store.encounters(object_ids=ids, start_ms=start_ms, end_ms=end_ms):
             a, b = (record.object_a, record.place_a), (record.object_b, record.place_b)
             key = encounter_key(record)
             if not (self._is_gone(a) or self._is_gone(b)):
                 kept[key] = record
-        kept |= {k: r for k, r in self._encounters.items() if object_id in k[:2]}
+        for key, record in self._encounters.items():
+            kept.pop(key, None)
+            late = start_ms is not None and record.end_ms < start_ms
+            early = end_ms is not None and record.start_ms > end_ms
+            if (object_id is None or object_id in key[:2]) and not late and not early:
+                kept[key] = record
         return [kept[key] for key in sorted(kept)]
+
+    def span(self) -> tuple[int, int]:
+        """Return the start of the first sighting and the newest frame's time; 0, 0 for none."""
+        first = self._store.sightings(limit=1)
+        starts = [record.start_ms for record in (*first, *self._sightings.values())]
+        return min(starts, default=0), self._store.last_view_ms() or 0
 
     def _is_gone(self, stay: StayKey) -> bool:
         return stay in self._gone_stays or stay[0] in self._gone_objects

@@ -118,6 +118,8 @@ def summary_lines(summary: IngestSummary) -> list[str]:
         named = summary.skipped.examples.get(reason, [])
         examples = ", ".join(named) + (", …" if count > len(named) else "")
         lines.append(clean(f"  {count} x {reason}" + (f": {examples}" if examples else "")))
+    if summary.forgotten:
+        lines.append(f"forgotten   {summary.forgotten} intervals, older than this store keeps them")
     seconds = sum(summary.seconds.values())
     if summary.frames and seconds > 0:
         stages = ", ".join(f"{stage} {value:.2f} s" for stage, value in summary.seconds.items())

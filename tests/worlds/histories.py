@@ -5,7 +5,7 @@ The universe is small on purpose, so that keys collide, intervals touch and poin
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
 from typing import Any
 
 import numpy as np
@@ -22,6 +22,7 @@ from d3a.store.base import (
     Sighting,
     StayRecord,
     Store,
+    StoreRefused,
     TaughtName,
     View,
 )
@@ -199,6 +200,16 @@ def batches(draw: st.DrawFn) -> Batch:
         meta=draw(st.dictionaries(st.sampled_from(["zone", "$set", "a.b"]), values, max_size=2)),
         state=draw(st.none() | st.binary(max_size=3)),
     )
+
+
+def accepted(oracle: Store, drawn: Iterable[Batch]) -> Iterator[Batch]:
+    """Apply drawn batches to a store, and yield those that it takes."""
+    for batch in drawn:
+        try:
+            oracle.apply(batch)
+        except StoreRefused:
+            continue
+        yield batch
 
 
 Question = Callable[[Store], object]
