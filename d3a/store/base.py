@@ -32,6 +32,7 @@ __all__ = [
     "Area",
     "Batch",
     "Encounter",
+    "Expected",
     "Keyframe",
     "NativeQuery",
     "ObjectRecord",
@@ -41,6 +42,7 @@ __all__ = [
     "StayKey",
     "StayRecord",
     "Store",
+    "StoreConflict",
     "StoreError",
     "StoreRefused",
     "StoreUnreachable",
@@ -63,6 +65,18 @@ class StoreRefused(StoreError):  # noqa: N818
     """A record is outside of the limits of the store (see `limits.py`)."""
 
 
+class StoreConflict(StoreError):  # noqa: N818
+    """Another wrote what a batch was made from: read again, and make it anew."""
+
+
+@dataclass(frozen=True, slots=True)
+class Expected:
+    """What a writer read: values of the meta by key, None for none; recordings, None: any."""
+
+    meta: Mapping[str, Any] = field(default_factory=dict)
+    recordings: tuple[RecordingRecord, ...] | None = None
+
+
 @dataclass(frozen=True, slots=True)
 class Batch:
     """Writes that become visible together: `Store.apply` returns after the commit.
@@ -70,6 +84,7 @@ class Batch:
     Removing an object removes its stays, sightings and encounters; removing a stay its sightings
     and encounters. Removals happen before puts. meta: JSON values; None removes a key.
     state: the associator's checkpoint, opaque bytes, None leaves it as it is.
+    expects: what must hold still, else the whole batch is a StoreConflict and nothing is written.
     A stay needs its object, a sighting its stay, an encounter both stays: in the store or in the
     batch, else the whole batch is refused. Of two puts of one key the later one counts.
     """
@@ -91,6 +106,7 @@ class Batch:
     removed_keyframes: Sequence[str] = ()  # by key; none that the batch puts
     meta: Mapping[str, Any] = field(default_factory=dict)
     state: bytes | None = None
+    expects: Expected | None = None
 
 
 @dataclass(frozen=True, slots=True)

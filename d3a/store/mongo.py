@@ -38,6 +38,7 @@ from d3a.store.base import (
     TaughtName,
     View,
 )
+from d3a.store.expected import check_expected
 from d3a.store.limits import check_batch
 from d3a.store.mongo_documents import Document
 from d3a.store.mongo_journal import Entry, Journal, join_parts
@@ -93,6 +94,7 @@ class MongoStore:
         with self._writing():
             if self._unfinished:
                 self.recover()
+            check_expected(self, batch)
             self._writer.check(batch)
             entry = Entry(batch, self._writer.put_bytes(batch))
             self._unfinished = True

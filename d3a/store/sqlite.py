@@ -33,6 +33,7 @@ from d3a.store.base import (
     TaughtName,
     View,
 )
+from d3a.store.expected import check_expected
 from d3a.store.limits import check_batch
 from d3a.store.records import Picture, Record, dump_records
 from d3a.store.rows import (
@@ -103,6 +104,7 @@ class SqliteStore:
         """Apply a batch in one transaction; the log is on the disk when this returns."""
         check_batch(batch)
         with self._lock, self._transaction():
+            check_expected(self, batch)
             Writer(self._db, trees=self._trees).write(batch)
 
     @contextmanager

@@ -27,6 +27,7 @@ from d3a.store.base import (
     TaughtName,
     View,
 )
+from d3a.store.expected import check_expected
 from d3a.store.limits import EmbeddingKind, check_batch, check_referred, embedding_kind
 from d3a.store.records import Picture, Record, dump_records, meta_json, picture
 
@@ -60,6 +61,7 @@ class OracleStore:
 
     def apply(self, batch: Batch) -> None:
         check_batch(batch)
+        check_expected(self, batch)
         check_referred(batch, self._objects, self._stays)
         self._embedding_kind = embedding_kind(batch, self._embedding_kind)
         self._written += 1
