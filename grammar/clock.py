@@ -9,12 +9,14 @@ from dataclasses import replace
 from datetime import datetime, timedelta
 
 from grammar import timeforms as tf
-from grammar.days import TimeError
+from grammar.days import TimeError, TimesApartError
 from grammar.forms import TimeSlice
-from grammar.moment import Moment, Setting, before
+from grammar.moment import PART_HOURS, Moment, Setting, before
 
 _DAYS = frozenset(("day", "week", "fortnight", "weekend", "month", "year", "decade"))
 AROUND = timedelta(minutes=30)
+_MERIDIEMS = {"morning": "am", "afternoon": "pm", "evening": "pm"}
+"""What a part of the day said after two clock times says of both of them."""
 
 
 def resolve(said: tf.SpokenTime, now: datetime, month_first: bool | None) -> TimeSlice:
@@ -42,6 +44,9 @@ def _resolved(said: tf.SpokenTime, setting: Setting) -> TimeSlice:
         return TimeSlice(point, point)
     if not said.bounds:
         return TimeSlice(*Moment.of(said.pieces).span(setting))
+    beside = _weekday_beside(said, setting)
+    if beside is not None:
+        return beside
     slices = [_bound(bound, said.pieces, setting) for bound in said.bounds]
     starts = [s.start for s in slices if s.start is not None]
     ends = [s.end for s in slices if s.end is not None]
@@ -56,16 +61,56 @@ def _resolved(said: tf.SpokenTime, setting: Setting) -> TimeSlice:
     return TimeSlice(latest, earliest)
 
 
+def _weekday_beside(said: tf.SpokenTime, setting: Setting) -> TimeSlice | None:
+    """Return the weekday next to a day: the friday after christmas; None for any other time."""
+    if len(said.pieces) != 1 or len(said.bounds) != 1:
+        return None
+    day, bound = said.pieces[0], said.bounds[0]
+    if not isinstance(day, tf.Weekday) or bound.kind not in ("before", "after"):
+        return None
+    other = Moment.of(bound.sides[0])
+    if not other.days or other.clock is not None or other.part_name() is not None:
+        return None
+    start, end = other.span(setting)
+    if bound.kind == "before":
+        ahead = (start.weekday() - day.number - 1) % 7 + 1
+        found = start.date() - timedelta(days=ahead)
+    else:
+        found = end.date() + timedelta(days=(day.number - end.weekday()) % 7)
+    return TimeSlice(setting.at(found, 0), setting.at(found + timedelta(days=1), 0))
+
+
+def _beside(kind: str, start: datetime, end: datetime, setting: Setting) -> TimeSlice:
+    """Return the week, weekend or part of the day right before or after [start, end)."""
+    unit, _, side = kind.partition(" ")
+    earlier = side == "before"
+    if unit == "week":
+        first = start.date() - timedelta(days=7) if earlier else end.date()
+        return TimeSlice(setting.at(first, 0), setting.at(first + timedelta(days=7), 0))
+    if unit == "weekend":
+        ahead = (start.weekday() - 7) % 7 + 1 if earlier else (5 - end.weekday()) % 7
+        first = start.date() - timedelta(days=ahead + 1) if earlier else end.date()
+        first += timedelta(days=0 if earlier else ahead)
+        return TimeSlice(setting.at(first, 0), setting.at(first + timedelta(days=2), 0))
+    day = start.date() - timedelta(days=1) if earlier else end.date()
+    first_hour, last_hour = PART_HOURS[unit]
+    return TimeSlice(setting.at(day, first_hour * 60), setting.at(day, last_hour * 60))
+
+
 def _bound(bound: tf.Bound, around: tf.Pieces, setting: Setting) -> TimeSlice:
     if bound.length is not None:
         return TimeSlice(before(setting.now, bound.length, setting), setting.now)
     if bound.kind == "between":
         return _between(bound.sides[0], bound.sides[1], around, setting)
+    if bound.kind == "both":
+        return _row(bound.sides, around, setting)
     context = Moment.of(around)
     moment = Moment.of(bound.sides[0]).completed(context)
     if moment.clock is None and moment.dated:
         moment = replace(moment, clock=context.clock)  # at 2 pm since monday
     start, end = moment.span(setting)
+    if " " in bound.kind:
+        return _beside(bound.kind, start, end, setting)
     match bound.kind:
         case "since":
             return TimeSlice(start, None)
@@ -78,6 +123,27 @@ def _bound(bound: tf.Bound, around: tf.Pieces, setting: Setting) -> TimeSlice:
         case _:
             margin = AROUND.total_seconds() if start == end else 0
             return TimeSlice(setting.shifted(start, -margin), setting.shifted(end, margin))
+
+
+def _row(sides: tuple[tf.Pieces, ...], around: tf.Pieces, setting: Setting) -> TimeSlice:
+    """Return the slice of times that follow each other: monday and tuesday, 2016 and 2017."""
+    context = Moment.of(around)
+    moments = [Moment.of(side) for side in sides]
+    last = moments[-1]
+    spans: list[tuple[datetime, datetime]] = []
+    for i, moment in enumerate(moments):
+        moment = _shared_week(moment, (*last.days[1:], *context.days))
+        moment = _shared_dates(moment, last)[0] if i + 1 < len(moments) else moment
+        if i and not moment.dated:
+            moment = moment.completed(moments[0])
+        spans.append(moment.completed(last).completed(context).span(setting))
+    spans.sort()
+    start, end = spans[0]
+    for following in spans[1:]:
+        if following[0] > end:
+            raise TimesApartError("it names times that lie apart; ask for one at a time")
+        end = max(end, following[1])
+    return TimeSlice(start, end)
 
 
 def _between(first: tf.Pieces, second: tf.Pieces, around: tf.Pieces, setting: Setting) -> TimeSlice:
@@ -93,6 +159,7 @@ def _between(first: tf.Pieces, second: tf.Pieces, around: tf.Pieces, setting: Se
     elif not a.dated and b.dated and a.clock is not None:
         a = a.completed(b)
     a, b = _shared_dates(a, b)
+    a, b = _shared_week(a, (*b.days[1:], *context.days)), _shared_week(b, context.days)
     a = _shared_meridiem(a, b)
     if not a.dated:
         a = a.completed(context)
@@ -136,6 +203,13 @@ def _days_of_month(a: Moment, b: Moment, context: Moment) -> tuple[Moment, Momen
     return sides[0], sides[1], replace(context, days=())
 
 
+def _shared_week(side: Moment, days: tuple[tf.Day, ...]) -> Moment:
+    """Lend a lone weekday the week that is named with its like: `monday to friday last week`."""
+    weeks = [day for day in days if isinstance(day, tf.Calendar)]
+    lone = len(side.days) == 1 and isinstance(side.days[0], tf.Weekday)
+    return replace(side, days=(*side.days, weeks[0])) if lone and weeks else side
+
+
 def _has_day(moment: Moment) -> bool:
     return any(isinstance(day, tf.Date) and day.day is not None for day in moment.days)
 
@@ -166,10 +240,10 @@ def _shared_meridiem(a: Moment, b: Moment) -> Moment:
         return a
     if b.clock.hour == 24 or (b.clock.exact and b.clock.hour == 12) or a.part_name():
         return a
-    if b.clock.meridiem is None:
+    meridiem = b.clock.meridiem or _MERIDIEMS.get(b.part_name() or "")
+    if meridiem is None:
         return a
     first = a.clock.hour % 12 * 60 + a.clock.minute
     second = b.clock.hour % 12 * 60 + b.clock.minute
-    other = "am" if b.clock.meridiem == "pm" else "pm"
-    meridiem = b.clock.meridiem if first < second else other
-    return replace(a, clock=replace(a.clock, meridiem=meridiem))
+    other = "am" if meridiem == "pm" else "pm"
+    return replace(a, clock=replace(a.clock, meridiem=meridiem if first < second else other))

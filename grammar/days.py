@@ -15,6 +15,10 @@ class TimeError(ValueError):
     """A spoken time that names no time: the thirtieth of February, two days at once."""
 
 
+class TimesApartError(TimeError):
+    """Times joined by `and` or `or` with a gap between them: no one slice holds both."""
+
+
 class TimeAmbiguityError(TimeError):
     """A date that two countries read in two ways; `readings` are both, month first."""
 
@@ -56,6 +60,8 @@ def span_of(days: tuple[tf.Day, ...], ref: Reference) -> DaySpan:
     if isinstance(first, tf.Holiday | tf.Season) and isinstance(outer, tf.Date | tf.Calendar):
         start, _ = _single(outer, ref)
         return _single(replace(first, year=start.year), ref)
+    if isinstance(first, tf.Weekday) and isinstance(outer, tf.Days) and outer.back % 7 == 0:
+        rest = [tf.Calendar("week", outer.back // 7)]  # a week ago on monday
     outside = span_of(tuple(rest), ref)
     if isinstance(first, tf.Weekday):
         return _weekday_within(first.number, outside)
@@ -120,7 +126,7 @@ def _weekday(day: tf.Weekday, ref: Reference) -> DaySpan:
     back = (ref.today.weekday() - day.number) % 7
     if day.which == "last" and back == 0:
         back = 7
-    return _one(ref.today - timedelta(days=back))
+    return _one(ref.today - timedelta(days=back + 7 * (day.back - 1)))
 
 
 def _weekday_within(number: int, span: DaySpan) -> DaySpan:
@@ -358,7 +364,7 @@ def _nth(said: tf.Nth, span: DaySpan) -> DaySpan:
         index = said.number - 1 if said.number > 0 else said.number
         if not -len(hits) <= index < len(hits):
             raise TimeError("there is no such day in that time")
-        return _one(hits[index])
+        return hits[index], hits[index] + timedelta(days=1 + (said.unit == "weekend"))
     length = {"week": 7, "day": 1}.get(said.unit)
     if length is None:
         months = {"quarter": 3, "half": 6}.get(said.unit, 1)

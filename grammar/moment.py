@@ -25,6 +25,8 @@ PART_HOURS: dict[str, tuple[int, int]] = {
     "bedtime": (21, 24),
     "dawn": (5, 7),
     "dusk": (18, 20),
+    "brunch": (10, 13),
+    "small hours": (0, 5),
 }
 """Part of the day -> hours from the day's midnight; beyond 24 is the next morning."""
 _PART_OF_DAY: dict[str, tuple[str, int]] = {
@@ -39,7 +41,7 @@ _PART_OF_DAY: dict[str, tuple[str, int]] = {
     "this afternoon": ("afternoon", 0),
     "this evening": ("evening", 0),
 }
-_WITHIN = {"tonight": ("evening", "night"), "night": ("tonight",)}
+_WITHIN = {"tonight": ("evening", "night"), "night": ("tonight",), "morning": ("small hours",)}
 """Parts of the day that lie within another one."""
 _SECONDS = {"second": 1, "minute": 60, "hour": 3600, "day": 86400, "week": 604800,
             "fortnight": 1209600, "weekend": 604800}  # fmt: skip
@@ -114,6 +116,9 @@ class Moment:
                     moment = moment.with_clock(piece)
                 case tf.Part() | tf.PartDay():
                     moment = moment.with_part(piece)
+                case tf.PartAgo():
+                    moment = moment.with_part(tf.Part(piece.name))
+                    moment = replace(moment, days=(*moment.days, tf.Days(piece.back)))
                 case tf.Whole():
                     moment = replace(moment, whole=piece.unit)
                 case tf.Ago():
@@ -131,6 +136,10 @@ class Moment:
     def with_part(self, part: tf.Part | tf.PartDay) -> Moment:
         """Add a part of the day; a second one that says something else is an error."""
         said = self.part if isinstance(part, tf.Part) else self.part_day
+        if said is not None and part.name in _WITHIN.get(said.name, ()):
+            said = None  # the narrower one counts
+        if said is not None and said.name in _WITHIN.get(part.name, ()):
+            return self
         if said is not None and said != part:
             raise TimeError("it names two parts of the day")
         if isinstance(part, tf.Part):

@@ -59,6 +59,8 @@ def cardinal(words: list[str], i: int) -> tuple[int, int] | None:
 
     `twenty five` and `twenty-five` are one number; `twenty twelve` is not.
     """
+    if i >= len(words):
+        return None
     word = words[i]
     if word.isdecimal() and word.isascii():
         return (int(word), 1) if len(word) <= 4 else None

@@ -164,7 +164,8 @@ def _without_false_starts(words: list[Word]) -> list[Word]:
     i = 0
     while i + 3 < len(words):
         first, cut, again, whole = (w.text for w in words[i : i + 4])
-        if first == again and cut != whole and whole.startswith(cut):
+        counted = cut in numbers.CARDINALS  # twenty four twenty fourteen
+        if first == again and cut != whole and whole.startswith(cut) and not counted:
             words = [*words[:i], *words[i + 2 :]]
         else:
             i += 1

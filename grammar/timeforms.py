@@ -46,10 +46,14 @@ class Days:
 
 @dataclass(frozen=True, slots=True)
 class Weekday:
-    """A day of the week, Monday 0. which: gone (today counts), last (it does not), this week's."""
+    """A day of the week, Monday 0. which: gone (today counts), last (it does not), this week's.
+
+    back: how many of them ago: two mondays ago is 2.
+    """
 
     number: int
     which: Literal["gone", "last", "this"] = "gone"
+    back: int = 1
 
 
 @dataclass(frozen=True, slots=True)
@@ -135,6 +139,14 @@ class Part:
 
 
 @dataclass(frozen=True, slots=True)
+class PartAgo:
+    """A part of the day `back` days ago: three evenings ago."""
+
+    name: str
+    back: int
+
+
+@dataclass(frozen=True, slots=True)
 class PartDay:
     """A part of a certain day: last night, this morning."""
 
@@ -155,13 +167,17 @@ class Stamp:
 
 
 Day: TypeAlias = Days | Weekday | Date | Calendar | Weekend | Nth | Holiday | Season | Decade
-Piece: TypeAlias = Day | Clock | Ago | Edge | Whole | Part | PartDay | Now | Stamp
+Piece: TypeAlias = Day | Clock | Ago | Edge | Whole | Part | PartAgo | PartDay | Now | Stamp
 Pieces: TypeAlias = tuple[Piece, ...]
 
 
 @dataclass(frozen=True, slots=True)
 class Bound:
-    """An interval by its sides. kind: between, since, until, before, after, around, past."""
+    """An interval by its sides.
+
+    kind: between, since, until, before, after, around, past, both (all sides in a row), or what is
+    next to its side: "week before", "night after".
+    """
 
     kind: str
     sides: tuple[Pieces, ...] = ()

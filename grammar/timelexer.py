@@ -3,24 +3,27 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 
 from grammar import numbers
 from grammar import timewords as tw
 from grammar.closed import is_open, words_of
-from grammar.timenumbers import NumberReader, TimeToken
+from grammar.timedigits import TimeToken
+from grammar.timenumbers import NumberReader
 
 _MAX_PHRASE = max(len(phrase.split()) for phrase in (*tw.PHRASES, *tw.HOLIDAYS))
 
 _DECADE = re.compile(r"(\d{3}0)s?$")
 
 _LEADS_PART = words_of(
-    "the at in this last early late by yesterday that of on all during evening every"
+    "the at in this last early late by yesterday that of on all during evening every before after "
+    "since until around"
 )
 _LEADS_THE_PART = words_of("in during since of through at before after until all for over")
 _LEADS_SEASON = words_of("the in last this since during past previous")
 _BEFORE_PART = words_of(
     "WEEKDAY DAYS DATE DAY_AFTER MONTH_OF MERIDIEM HOUR MINUTE ORD EDGE _AGO HOLIDAY YEAR_OF "
-    "_OCLOCK _AND _TO"
+    "_OCLOCK _AND _TO COUNT"
 )
 
 
@@ -30,9 +33,29 @@ def tokenise(words: list[str]) -> list[TimeToken | None]:
     i = 0
     while i < len(words):
         token = _Reader(words, i, found).token()
-        found.append(token)
+        if token is not None and token.type == "_ISH":
+            _approximate(found, token.last)
+        else:
+            found.append(token)
         i = token.last if token else i + 1
     return found
+
+
+def _approximate(found: list[TimeToken | None], last: int) -> None:
+    """Put `around` before the clock time that ends in -ish, at `last`: eightish, around eight."""
+    if found and (ends := found[-1]) is not None:
+        found[-1] = replace(ends, last=last)
+    k = len(found)
+    while k and (token := found[k - 1]) is not None and token.type in _CLOCK_TIMES:
+        k -= 1
+    first = found[k]
+    assert first is not None  # _ISH is read after a clock time alone
+    before = next((t for t in reversed(found[:k]) if t is None or t.type != "LINK"), None)
+    if before is None or before.type != "_AROUND":
+        found.insert(k, TimeToken("_AROUND", 0, first.first, first.first))
+
+
+_CLOCK_TIMES = words_of("HOUR MINUTE HHMM FIXED MERIDIEM _OCLOCK CMIN _CPAST _CTO _HALF_OF")
 
 
 class _Reader(NumberReader):
@@ -42,6 +65,7 @@ class _Reader(NumberReader):
         """Return the token at `i`, or None."""
         for read in (
             self._written,
+            self._comparative,
             self._meridiem,
             self._clock_minutes,
             self._past_or_last,
@@ -57,6 +81,17 @@ class _Reader(NumberReader):
         if self.word in tw.LINKS:
             return self._make("LINK", self.word, 1)
         return None
+
+    def _comparative(self) -> TimeToken | None:
+        """Pass over `earlier` and `later` before a time: earlier this morning, later on friday."""
+        if self.word not in ("earlier", "later") or self._is("UNIT", "_HALF"):
+            return None
+        k = 1
+        while self._at(k) in ("on", "in", "the"):
+            k += 1
+        timed = self._at(k) in ("this", "last", "yesterday", "today", "tonight")
+        timed = timed or self._at(k) in tw.WEEKDAY_NUMBER or (k > 1 and self._at(k) in tw.PARTS)
+        return self._make("LINK", self.word, 1) if timed else None
 
     # -- past and last before a length of time ------------------------------------------------
 
@@ -104,23 +139,44 @@ class _Reader(NumberReader):
             if entry is None:
                 continue
             kind, value = entry
-            if kind == "COUNT" and self._at(length) not in tw.UNITS:
+            if kind == "COUNT" and self._at(length) not in tw.UNITS and not self._recurs(length):
                 continue
-            if kind in ("_AGO", "_HALF") and not self._is("UNIT", "_HALF"):
+            if kind in ("_AGO", "_HALF") and not self._lasts():
+                continue
+            if kind in ("_OR", "_ISH", "_BEFORE_LAST") and not self._joins(kind, length):
+                continue
+            if kind == "WEEKEND" and self._is("NTH"):
                 continue
             if kind == "EDGE" and not self._edges(length):
                 continue
             if kind == "_ONWARD" and not self._opens_only(length):
                 continue
-            if kind in ("_DAY_EARLIER", "_DAY_LATER", "WHOLE") and (
+            if kind in ("_DAY_EARLIER", "_DAY_LATER", "SPAN_BEFORE", "WHOLE") and (
                 self._is("NTH", "_LAST", "COUNT") or not self._dated_at(length)
             ):
                 continue
-            return self._retyped(kind, value, length)
+            either = self._either(1, length) if kind == "COUNT" and value == 1 else None
+            return either or self._retyped(kind, value, length)
         if self.word in ("oh", "o") and self._is("HOUR"):
             unit = numbers.CARDINALS.get(self._at(1), 10)
             return self._make("MINUTE", unit, 2) if unit < 10 else None
         return None
+
+    def _lasts(self) -> bool:
+        """Whether a length of time, or a count of weekdays, has just been said."""
+        if self._is("WEEKDAY", "PART", "COUNT"):
+            before = [t.type if t else "" for t in self.before if t is None or t.type != "LINK"]
+            return before[-1] == "COUNT" if before[-1:] == ["COUNT"] else before[-2:-1] == ["COUNT"]
+        return self._is("UNIT", "_HALF")
+
+    def _joins(self, kind: str, length: int) -> bool:
+        """Whether `or` joins counts, `ish` ends a clock time, `before last` a day or its part."""
+        if kind == "_OR":
+            counted = numbers.cardinal(self.words, self.i + length) if self._at(length) else None
+            return self._is("UNIT") and counted is not None
+        if kind == "_ISH":
+            return self._is("HOUR", "MINUTE", "HHMM", "FIXED", "MERIDIEM", "_OCLOCK")
+        return self._is("WEEKDAY", "PART")
 
     def _opens_only(self, length: int) -> bool:
         """Whether `on` ends what `from` began: from monday on."""
@@ -202,14 +258,16 @@ class _Reader(NumberReader):
             return self._make("UNIT", word, 1)
         if word == "quarter" and self._is("_LAST", "_THIS"):
             return self._make("UNIT", word, 1)
-        if word in tw.UNITS and (self._is("COUNT", "_LASTN", "_LAST", "_LASTN1", "_THIS", "NTH")):
+        if word in tw.UNITS and (
+            self._is("COUNT", "COUNT_OR", "_LASTN", "_LAST", "_LASTN1", "_THIS", "NTH")
+        ):
             if word == "night" and self._is("_LAST", "_THIS"):
                 return self._make("PART", "night", 1)
             weekend = word in ("weekend", "weekends")
-            if weekend and not self._is("COUNT"):
+            if weekend and not self._is("COUNT", "NTH"):
                 return self._make("WEEKEND", 0, 1)
             return self._make("UNIT", "weekend" if weekend else tw.UNITS[word], 1)
-        if word in tw.UNITS and self._is("EDGE") and self._at(-1) == "the":
+        if word in tw.UNITS and self._is("EDGE") and self._at(-1) == "the" and word not in tw.PARTS:
             return self._make("CURRENT", tw.UNITS[word], 1)
         if word == "year" and self._at(1).isdecimal() and len(self._at(1)) == 4:
             return self._make("LINK", word, 1)
@@ -224,7 +282,8 @@ class _Reader(NumberReader):
             return self._make("WEEKDAY", tw.WEEKDAY_NUMBER[stem], 1)
         if word in tw.MONTH_NUMBER:
             return self._month(word)
-        if word in tw.SEASONS and self._at(-1) in _LEADS_SEASON:
+        year = self._at(1).isdecimal() and len(self._at(1)) == 4
+        if word in tw.SEASONS and (self._at(-1) in _LEADS_SEASON or year):
             return None if is_open(self._at(1)) else self._make("SEASON", tw.SEASONS[word], 1)
         if self._at(-1) == "the" and not is_open(self._at(1)):
             if match := _DECADE.match(word):
@@ -245,10 +304,12 @@ class _Reader(NumberReader):
                 "during",
                 "around",
                 "by",
+                "over",
             ):
                 return None
             return None if self._noun(self._at(1)) else self._make("PART", part, 1)
-        if self._at(-1) in _LEADS_PART or self._is(*_BEFORE_PART):
+        listed = self._at(-1) in ("and", "or") and self._listed("PART", "PARTDAY")
+        if listed or self._at(-1) in _LEADS_PART or self._is(*_BEFORE_PART):
             following = self._at(1)
             alone = self._at(-1) == "the" and self._at(-2) not in _LEADS_THE_PART
             if alone and self._noun(following):
@@ -310,4 +371,4 @@ class _Reader(NumberReader):
                 "previous",
                 "mid",
             ]
-        ) or self._is("NTH", "DAY_BEFORE", "WEEKDAY")
+        ) or (self._is("NTH", "DAY_BEFORE", "WEEKDAY") or self._year_named(1))

@@ -3,87 +3,15 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
 
 from grammar import numbers
 from grammar import timewords as tw
 from grammar.closed import is_open
-from grammar.lalr import Token
-
-_ISO = re.compile(r"(\d{4})[-/.](\d{1,2})[-/.](\d{1,2})(?:t(\d{1,2}):(\d{2})(?::(\d{2}))?)?$")
-_SLASHED = re.compile(r"(\d{1,2})[-/.](\d{1,2})(?:[-/.](\d{4}|\d{2}))?$")
-_NAMED = re.compile(r"(\d{1,2})-([a-z]{3,9})-(\d{2,4})$")
-_CLOCK = re.compile(r"(\d{1,2})[:.](\d{2})(?::(\d{2}))?$")
-_MONTH = re.compile(r"(\d{4})[-/](\d{1,2})$|(\d{1,2})/(\d{4})$")
+from grammar.timedigits import CLOCK, DigitReader, TimeToken
 
 
-@dataclass(frozen=True, slots=True)
-class TimeToken(Token):
-    """A terminal of time.lark with its value; it covers words[first:last]."""
-
-    first: int
-    last: int
-
-
-class NumberReader:
-    """Sees the word at `i`, the words around it and the tokens before it; reads the numbers."""
-
-    def __init__(self, words: list[str], i: int, before: list[TimeToken | None]) -> None:
-        self.words, self.i = words, i
-        self.before = before
-        self.previous = next((t for t in reversed(before) if not t or t.type != "LINK"), None)
-        self.word = words[i]
-
-    def _make(self, kind: str, value: object, count: int) -> TimeToken:
-        return TimeToken(kind, value, self.i, self.i + count)
-
-    def _at(self, k: int) -> str:
-        return self.words[self.i + k] if 0 <= self.i + k < len(self.words) else ""
-
-    def _is(self, *kinds: str) -> bool:
-        return self.previous is not None and self.previous.type in kinds
-
-    # -- written with digits -----------------------------------------------------------------
-
-    def _written(self) -> TimeToken | None:
-        if match := _ISO.match(self.word):
-            year, month, day, hour, minute, second = (int(g) if g else None for g in match.groups())
-            if hour is not None:
-                return self._make("STAMP", (year, month, day, hour, minute, second or 0), 1)
-            return self._make("DATE", ("ymd", year, month, day), 1)
-        if match := _NAMED.match(self.word):
-            month = tw.MONTH_NUMBER.get(match[2])
-            return (
-                self._make("DATE", ("ymd", _year(match[3]), month, int(match[1])), 1)
-                if month
-                else None
-            )
-        if (match := _CLOCK.match(self.word)) and int(match[1]) <= 24 and int(match[2]) < 60:
-            exact = len(match[1]) == 2 and match[1][0] == "0"
-            second = int(match[3] or 0)
-            return self._make("HHMM", (int(match[1]), int(match[2]), exact, second), 1)
-        if match := _MONTH.match(self.word):
-            year, month = int(match[1] or match[4]), int(match[2] or match[3])
-            return self._make("DATE", ("ymd", year, month, None), 1) if 1 <= month <= 12 else None
-        if match := _SLASHED.match(self.word):
-            year = _year(match[3]) if match[3] else None
-            return self._make("DATE", ("slashed", year, int(match[1]), int(match[2])), 1)
-        return self._dashed()
-
-    def _dashed(self) -> TimeToken | None:
-        """Read 4-22 as a date where a day is due: on 4-22; elsewhere it is a range."""
-        second = self._at(2)
-        if self._at(-1) != "on" or self._at(1) != "-" or self._at(3) in tw.MONTH_NUMBER:
-            return None
-        if not (self.word.isdecimal() and second.isdecimal()) or self._meridiem_at(3):
-            return None
-        first, last = int(self.word), int(second)
-        fits = 1 <= min(first, last) <= 12 and max(first, last) <= 31
-        return self._make("DATE", ("slashed", None, first, last), 3) if fits else None
-
-    def _meridiem_at(self, k: int) -> bool:
-        compact = self._at(k).replace(".", "").replace(" ", "")
-        return compact in ("am", "pm") or (compact in ("a", "p") and self._at(k + 1) == "m")
+class NumberReader(DigitReader):
+    """Reads the numbers of a spoken time by their neighbours."""
 
     def _meridiem(self) -> TimeToken | None:
         """a.m., p m, am; and "in the morning" after a clock stays a part of the day."""
@@ -98,8 +26,16 @@ class NumberReader:
 
     # -- minutes past and to -----------------------------------------------------------------
 
+    def _recurs(self, k: int) -> bool:
+        """Whether a weekday or part of the day, and ago, stand at `k`: two mondays ago."""
+        name = self._at(k).removesuffix("s")
+        named = name in tw.WEEKDAY_NUMBER or name in tw.PARTS
+        return named and self._at(k + 1) in ("ago", "back")
+
     def _clock_minutes(self) -> TimeToken | None:
         """quarter, half, ten (minutes) before past / to / after, and the word itself after it."""
+        if self.word == "half" and self._half_hour():
+            return self._make("_HALF_OF", 0, 1)
         if self._is("CMIN"):
             if self.word in ("past", "after"):
                 return self._make("_CPAST", 0, 1)
@@ -122,6 +58,20 @@ class NumberReader:
             count, exact = count + 1, True
         return self._minutes(value, count) if self._turns(count, value, exact=exact) else None
 
+    def _half_hour(self) -> bool:
+        """Whether an hour follows `half` at once: half eight, which is half past eight."""
+        number = numbers.cardinal(self.words, self.i + 1) if self._at(1) else None
+        if number is None or not 1 <= number[0] <= 12:
+            return False
+        following = self._at(1 + number[1])
+        introduced = self._at(-1) in tw.INTRODUCES_HOUR or self.previous is not None
+        alone = (
+            following == ""
+            or self._time_word(following)
+            or following in (*tw.LINKS, "this", "last")
+        )
+        return following not in tw.UNITS and (introduced or alone) and not self._noun(following)
+
     def _minutes(self, value: int, count: int) -> TimeToken:
         return self._make("CMIN", value, count)
 
@@ -143,8 +93,9 @@ class NumberReader:
             # "from ten to three" is a range unless a second `to` follows it
             rest = self.words[self.i + count + 2 :]
             return value == 15 or any(w in ("to", "until", "till") for w in rest)
-        after = self._at(count + 1 + (number[1] if number else 1))
-        return exact or value % 5 == 0 or after not in ("am", "pm", "a", "p")
+        if value % 5 == 0 or self._at(-1) == "at":
+            return True
+        return exact  # nine to five is a range
 
     # -- numbers -----------------------------------------------------------------------------
 
@@ -158,7 +109,7 @@ class NumberReader:
         if self._is("MONTH", "DAY_AFTER", "MONTH_OF", "HOLIDAY", "SEASON", "ORD", "DAY_BEFORE"):
             return self._make("YEAR_OF", value, count)
         if previous in ("in", "of", "since", "during", "before", "after", "until", "from", "to",
-                        "year", "between", "and", "till", "by", "through"):  # fmt: skip
+                        "year", "between", "and", "or", "till", "by", "through"):  # fmt: skip
             if count > 1 and previous not in ("in", "of", "since", "during", "year"):
                 return None
             return self._make("YEAR", value, count)
@@ -210,9 +161,16 @@ class NumberReader:
         if self._is("MONTH_OF"):
             return self._make("DAY_AFTER", value, count)
         leads = self._at(-1) in tw.LEADS_DAY and self.word[:1].isdecimal()
-        if self._at(-1) != "the" and not leads and not self._is("WEEKDAY", "_AND", "_TO"):
+        listed = self._at(-1) in ("and", "or") and self._listed("DAY_AFTER", "ORD")
+        leads = leads or listed or self._at(-1) == "the"
+        if not leads and not self._is("WEEKDAY", "_AND", "_TO"):
             return None
         return None if self._noun(following) else self._make("ORD", value, count)
+
+    def _listed(self, *kinds: str) -> bool:
+        """Whether the word before joins this one to a token of one of `kinds`."""
+        before = self.before[-2] if len(self.before) > 1 and self.before[-1] is None else None
+        return before is not None and before.type in kinds
 
     def _year_at(self, k: int) -> bool:
         """Whether a year or `of last year` stands at `k`, or nothing goes on: the first quarter."""
@@ -223,15 +181,25 @@ class NumberReader:
         after = type(self)(self.words, self.i + k, self.before)
         return bool(after._year_value()[0])
 
+    def _year_named(self, k: int) -> bool:
+        """Whether a year in digits, or `of last year`, stands at `k`."""
+        following = [self._at(k + n) for n in range(3)]
+        in_digits = following[0][:2] in ("19", "20") and len(following[0]) == 4
+        return in_digits or following == ["of", "last", "year"]
+
     def _noun(self, word: str) -> bool:
         """Whether a word may go on a noun phrase: open, and no word of time."""
         return is_open(word) and not self._time_word(word)
 
     def _time_word(self, word: str) -> bool:
         timed = word in tw.PARTS or word in tw.WEEKDAY_NUMBER or word in tw.MONTH_NUMBER
-        return timed or word in ("today", "yesterday", "tonight", "ago", "am", "pm", "sharp")
+        return timed or word in _TIMELY
 
     def _number(self) -> TimeToken | None:
+        if self.word in ("o", "oh", "zero") and self._at(2) == "hundred":
+            hour = numbers.CARDINALS.get(self._at(1), 10)
+            whole = 3 + (self._at(3) in ("hours", "hour"))
+            return self._make("HHMM", (hour, 0, True, 0), whole) if hour < 10 else None
         if self.word == "o" or self.word == "oh":
             return None
         if re.fullmatch(r"\d+\.\d+", self.word) and self._at(1) in tw.UNITS:
@@ -252,7 +220,7 @@ class NumberReader:
     def _ranges(self, k: int) -> bool:
         """Whether a clock time with am or pm stands at `k`, after a dash: `9-11 am`."""
         number = numbers.cardinal(self.words, self.i + k) if self._at(k) else None
-        if _CLOCK.match(self._at(k)):
+        if CLOCK.match(self._at(k)):
             return self._meridiem_at(k + 1)
         return number is not None and self._at(k + number[1]) in (
             "am",
@@ -291,6 +259,11 @@ class NumberReader:
             following = self._at(count + 1)
         if value == 1 and following == "day" and self._at(count + 1) in ("last", "this", "in"):
             return self._make("LINK", "one day", count + 1)
+        either = self._either(value, count)
+        if either is not None:
+            return either
+        if self._recurs(count) or (self._is("_OR") and self._at(count) == "ago"):
+            return self._make("COUNT", value, count)
         if following in tw.UNITS:
             if value >= 100 and following == "hours":
                 return None
@@ -300,6 +273,19 @@ class NumberReader:
         if following in ("quarters", "quarter") and self._at(count + 1) == "of":
             return self._make("COUNT", value / 4, count + 3)
         return None
+
+    def _either(self, value: float, count: int) -> TimeToken | None:
+        """Read the first of two counts: two or three days ago, an hour or two ago."""
+        before_unit = self._at(count) in tw.UNITS
+        k = count + before_unit
+        second = numbers.cardinal(self.words, self.i + k + 1) if self._at(k) == "or" else None
+        if second is None or not self._at(k + 1):
+            return None
+        after = k + 1 + second[1]
+        if before_unit:
+            return self._make("COUNT_OR", value, count) if self._at(after) == "ago" else None
+        told = self._at(after) in tw.UNITS and self._at(after + 1) == "ago"
+        return self._make("COUNT_OR", value, count + 1) if told else None
 
     def _minute(self, value: int, count: int) -> TimeToken | None:
         if not self._is("HOUR") or value >= 60:
@@ -316,6 +302,7 @@ class NumberReader:
         introduced = previous in tw.INTRODUCES_HOUR
         if previous in ("and", "to", "-") and self.previous is None:
             introduced = False  # the cup and two bowls
+        introduced = introduced or self._ranges_to(count)
         if value >= 100:
             clock = value % 100 < 60 and value < 2400 and (previous == "at" or following == "hours")
             if clock:
@@ -331,7 +318,7 @@ class NumberReader:
         two = second is not None and second[0] < 60
         compact = following.replace(".", "").replace(" ", "")
         spoken = (
-            compact in ("am", "pm", "oclock", "o'clock", "noon", "midnight")
+            compact in ("am", "pm", "oclock", "o'clock", "noon", "midnight", "ish")
             or (compact in ("a", "p", "o") and self._at(count + 1) in ("m", "clock"))
             or self._meridiem_after(count, second)
         )
@@ -340,13 +327,24 @@ class NumberReader:
         if spoken:
             return self._make("HOUR", value, count)
         plain = not self._noun(following)
-        introduced = introduced or self._is("_CPAST", "_CTO")
+        introduced = introduced or self._is("_CPAST", "_CTO", "_HALF_OF")
         near_day = self._is("WEEKDAY", "DAYS", "PARTDAY", "PART") and (two or plain)
         if (introduced and (plain or two)) or near_day:
             return self._make("HOUR", value, count)
         if following in ("oh", "o") and introduced:
             return self._make("HOUR", value, count)
         return None
+
+    def _ranges_to(self, k: int) -> bool:
+        """Whether another hour follows at `k`: nine to five."""
+        if self._at(k) not in ("to", "till", "until"):
+            return False
+        number = numbers.cardinal(self.words, self.i + k + 1) if self._at(k + 1) else None
+        return (
+            number is not None
+            and 1 <= number[0] <= 12
+            and not self._noun(self._at(k + 1 + number[1]))
+        )
 
     def _meridiem_after(self, count: int, second: tuple[int, int] | None) -> bool:
         if second is None:
@@ -356,8 +354,4 @@ class NumberReader:
         return compact in ("am", "pm") or (compact in ("a", "p") and self._at(k + 1) == "m")
 
 
-def _year(text: str) -> int:
-    value = int(text)
-    if value >= 100:
-        return value
-    return 2000 + value if value < 70 else 1900 + value
+_TIMELY = ("today", "yesterday", "tonight", "ago", "am", "pm", "sharp", "ish", "earlier", "later")

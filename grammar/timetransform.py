@@ -19,6 +19,7 @@ from grammar.timeforms import (
     Now,
     Nth,
     Part,
+    PartAgo,
     PartDay,
     Piece,
     Pieces,
@@ -76,6 +77,20 @@ class TimeForms:
     def onward(self, pieces: Pieces) -> Bound:
         """bound: _FROM side _ONWARD."""
         return Bound("since", (pieces,))
+
+    def either_ago(self, most: Token, least: Token, unit: Token) -> Bound:
+        """bound: COUNT_OR COUNT UNIT _AGO."""
+        far, near = sorted((float(most.value), float(least.value)), reverse=True)
+        sides = tuple((Ago(Length(((count, str(unit.value)),))),) for count in (far, near))
+        return Bound("between", sides)
+
+    def either_more_ago(self, least: Token, unit: Token, most: Token) -> Bound:
+        """bound: COUNT_OR UNIT _OR COUNT _AGO."""
+        return self.either_ago(most, least, unit)
+
+    def beside(self, kind: Token, *pieces: Piece) -> Bound:
+        """bound: SPAN_BEFORE piece+. A week, weekend or part of the day next to a day."""
+        return Bound(str(kind.value), (pieces,))
 
     def since(self, *pieces: Piece) -> Bound:
         """bound: _SINCE piece+."""
@@ -163,6 +178,10 @@ class TimeForms:
             meridiem = "am" if meridiem == "pm" else "pm"
         return Clock(before, 60 - minutes.value, meridiem, hour.value > 13)
 
+    def half_hour(self, hour: Token, *rest: Token) -> Clock:
+        """clock: _HALF_OF HOUR. British: half eight is half past eight."""
+        return Clock(hour.value, 30, _meridiem(rest), hour.value > 12)
+
     def past_fixed(self, minutes: Token, fixed: Token) -> Clock:
         """clock: CMIN _CPAST FIXED."""
         return Clock(fixed.value % 24, minutes.value, exact=True)
@@ -186,6 +205,22 @@ class TimeForms:
     def last_weekday(self, token: Token) -> Weekday:
         """day: _LAST WEEKDAY."""
         return Weekday(token.value, "last")
+
+    def weekday_before_last(self, token: Token) -> Weekday:
+        """day: WEEKDAY _BEFORE_LAST."""
+        return Weekday(token.value, "last", 2)
+
+    def weekdays_ago(self, count: Token, token: Token) -> Weekday:
+        """piece: COUNT WEEKDAY _AGO."""
+        return Weekday(token.value, "last", int(count.value))
+
+    def parts_ago(self, count: Token, part: Token) -> PartAgo:
+        """piece: COUNT PART _AGO."""
+        return PartAgo(str(part.value), int(count.value))
+
+    def part_before_last(self, part: Token) -> PartAgo:
+        """piece: PART _BEFORE_LAST."""
+        return PartAgo(str(part.value), 2)
 
     def this_weekday(self, token: Token) -> Weekday:
         """day: _THIS WEEKDAY."""

@@ -5,6 +5,8 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass, replace
 
+from grammar import numbers
+from grammar import timewords as tw
 from grammar.closed import words_of
 
 MAX_CHARACTERS = 600
@@ -23,6 +25,7 @@ _WORD = re.compile(
     r"|[a-zA-Z]{3,9}-\d{1,2}(?!\d)"  # oct-28
     r"|\d+(?:st|nd|rd|th)\b"
     r"|\d{3}0s\b"
+    r"|-?ish\b"  # 8ish
     r"|\d+(?:\.\d+)?"
     r"|[ap]\.\s?m\b\.?"  # a.m.
     r"|[^\W\d_]+(?:['\u2019\-][^\W\d_]+)*['\u2019]?"
@@ -75,9 +78,20 @@ _WITHOUT_APOSTROPHE = {
     "u": ("you",),
     "ur": ("your",),
     "wat": ("what",),
+    "whereis": ("where", "is"),
+    "whereare": ("where", "are"),
+    "whatis": ("what", "is"),
+    "howmany": ("how", "many"),
+    "didyou": ("did", "you"),
     "d'you": ("do", "you"),
     "didja": ("did", "you"),
 }
+
+
+_APPROXIMATE = frozenset(numbers.CARDINALS) | {"noon", "midnight", "midday"}
+"""What may end in -ish: eightish, noonish."""
+_MIDDLES = frozenset((*tw.PARTS, *tw.MONTHS, *tw.SEASONS, "week", "month", "year"))
+"""What may follow mid-: mid-morning, mid-january."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -134,6 +148,18 @@ def _apart(word: Word) -> list[Word]:
     text = word.text
     if text in _WITHOUT_APOSTROPHE:
         return [replace(word, text=part) for part in _WITHOUT_APOSTROPHE[text]]
+    if text == "non":
+        return [replace(word, text="not")]
+    if text == "-ish":
+        return [replace(word, text="ish")]
+    if text.endswith("ish") and text.removesuffix("ish").rstrip("-") in _APPROXIMATE:
+        middle = word.end - 3
+        stem = text.removesuffix("ish").rstrip("-")
+        return [replace(word, text=stem, end=middle), replace(word, text="ish", start=middle)]
+    if text.startswith("mid-") and text.removeprefix("mid-") in _MIDDLES:
+        middle = word.start + 4
+        rest = text.removeprefix("mid-")
+        return [replace(word, text="mid", end=middle - 1), replace(word, text=rest, start=middle)]
     if text.startswith("non-"):
         return [replace(word, text="not"), replace(word, text=text.removeprefix("non-"))]
     if "-and-" in text:
