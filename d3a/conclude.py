@@ -26,7 +26,7 @@ def conclude(run: Run, limit: int) -> Answer:
         status=run.status,
         reason=run.reason,
         query=run.query,
-        count=len(objects),
+        count=max(len(objects), run.counted),
         value=_value(run, least),
         least=least,
         apart=run.apart,
@@ -37,7 +37,7 @@ def conclude(run: Run, limit: int) -> Answer:
         message=run.message,
         last_looked=_moment(run, run.last_looked_ms),
         looked_then=run.looked_then,
-        truncated=truncated,
+        truncated=truncated or run.cut,
     )
 
 

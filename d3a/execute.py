@@ -13,6 +13,7 @@ from typing import assert_never
 
 from d3a.answer import Answer
 from d3a.attributes import judged
+from d3a.bounded import find_bounded
 from d3a.changes import Slice, missing, moved, usual
 from d3a.conclude import conclude
 from d3a.facts import Facts
@@ -77,6 +78,7 @@ def execute(
     caller has read of the store already. Raises StoreError.
     """
     run = Run(plan.query, store, lexicon, now, parameters, facts or Facts(store), plan.steps)
+    run.limit = limit
     started = perf_counter()
     ranking_ms = 0.0
     for step in plan.steps:
@@ -225,6 +227,9 @@ def _find_sightings(run: Run, step: FindSightings) -> None:
     table = run.found[step.var]
     if not table.candidates:
         return
+    if step.select is not None and step.var not in run.rooms:
+        find_bounded(run, step)
+        return
     start, end = milliseconds(step.start), milliseconds(step.end)
     table.sightings = run.facts.sightings(table.ids, start, end)
 
@@ -245,8 +250,7 @@ def _find_edge(run: Run, step: FindEdge) -> None:
 def _find_stays(run: Run, step: FindStays) -> None:
     table = run.found[step.var]
     if table.sightings:
-        ids = sorted({s.object_id for s in table.sightings})
-        table.stays = run.facts.stays(ids)
+        table.stays = run.facts.stays_of(table.sightings, whole=run.needs_stays(step.var))
 
 
 def _drop_gone(run: Run, step: DropGone) -> None:

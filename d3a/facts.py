@@ -26,11 +26,16 @@ from d3a.store.base import (
     Store,
     TaughtName,
 )
+from d3a.store.newest import newest_of
 from grammar.forms import RelationKind
 
 MOST_KEPT = 5_000
 """So many records of objects, and of stays, are kept between questions at most."""
 MOST_SIGHTINGS = 20_000
+FEW_UNKNOWN = 16
+"""Of so few objects all stays are read, and kept for the next question."""
+PALETTE_OBJECTS = 1_000
+"""What boxes hold together is told by so many of them as well as by all."""
 FEW_OBJECTS = 2_000
 """In a home of so few objects, what is large is looked for under every category."""
 _Asked = tuple[tuple[str, ...] | None, bool]
@@ -132,6 +137,50 @@ class Facts:
             known |= read
         return found
 
+    def stays_of(
+        self, sightings: Sequence[Sighting], *, whole: bool = False
+    ) -> dict[StayKey, StayRecord]:
+        """Return the stays of sightings, by (object_id, place), and maybe others of their objects.
+
+        whole: all stays of their objects.
+        """
+        ids = sorted({sighting.object_id for sighting in sightings})
+        unknown = sum(name not in self._known.stays for name in ids)
+        if whole or unknown <= FEW_UNKNOWN:
+            return self.stays(ids)
+        found = self.store.stays_at(sorted({sighting.stay for sighting in sightings}))
+        return {stay.key: stay for stay in found}
+
+    def newest(
+        self,
+        ids: Sequence[str],
+        limit: int,
+        start_ms: int | None,
+        end_ms: int | None,
+        *,
+        oldest: bool = False,
+    ) -> list[Sighting]:
+        """Return sightings that meet [start, end) as `Store.newest` chooses them; none is joined.
+
+        They are kept where they are all that there are.
+        """
+        known = self._known.sightings
+        if all(name in known for name in ids):
+            every = (s for name in ids for s in known[name] if in_slice(s, start_ms, end_ms))
+            ordered = sorted(every, key=lambda s: (s.start_ms, s.object_id, s.place))
+            return newest_of(ordered, limit, oldest=oldest)
+        last = None if end_ms is None else end_ms - 1
+        found = self.store.newest(ids, limit, start_ms=start_ms, end_ms=last, oldest=oldest)
+        bounded = start_ms is not None or end_ms is not None
+        if bounded or len(found) >= limit:
+            return found
+        if self._known.keeps("sightings", len(found), MOST_SIGHTINGS):
+            fresh: dict[str, list[Sighting]] = {name: [] for name in ids}
+            for sighting in found:
+                fresh[sighting.object_id].append(sighting)
+            known |= fresh
+        return found
+
     def sightings(
         self, ids: Sequence[str], start_ms: int | None, end_ms: int | None
     ) -> list[Sighting]:
@@ -187,7 +236,7 @@ class Facts:
     def palette(self) -> Palette:
         """Return what the boxes of the whole store hold together, for colours."""
         if self._known.palette is None:
-            _, matrix = self.store.embeddings()
+            _, matrix = self.store.embeddings(PALETTE_OBJECTS)
             usable = matrix.shape[1:] == (HISTOGRAM_SIZE,)
             self._known.palette = Palette.of(
                 matrix if usable else matrix[:0].reshape(0, HISTOGRAM_SIZE)

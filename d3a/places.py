@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -156,7 +157,9 @@ def room_of(regions: Sequence[Region], position: Position | None) -> str | None:
     """Return the name of the room that holds a position, the smallest where rooms overlap."""
     if position is None:
         return None
-    holding = [r for r in regions if _depth_inside(r.polygon, position[0], position[1]) >= 0]
+    x, y = position[0], position[1]
+    near = [r for r in regions if _may_hold(r.polygon, x, y)]
+    holding = [r for r in near if _depth_inside(r.polygon, x, y) >= 0]
     return min(holding, key=lambda r: (_size(r.polygon), r.name)).name if holding else None
 
 
@@ -191,6 +194,17 @@ def _depth_inside(polygon: Sequence[tuple[float, float]], x: float, y: float) ->
         along = min(1.0, max(0.0, along))
         nearest = min(nearest, math.hypot(x - x1 - along * (x2 - x1), y - y1 - along * (y2 - y1)))
     return nearest if inside else -nearest
+
+
+def _may_hold(polygon: tuple[tuple[float, float], ...], x: float, y: float) -> bool:
+    x_min, x_max, y_min, y_max = _bounds(polygon)
+    return x_min <= x <= x_max and y_min <= y <= y_max
+
+
+@lru_cache(maxsize=256)
+def _bounds(polygon: tuple[tuple[float, float], ...]) -> tuple[float, float, float, float]:
+    xs, ys = zip(*polygon, strict=True)
+    return min(xs), max(xs), min(ys), max(ys)
 
 
 def _size(polygon: Sequence[tuple[float, float]]) -> float:

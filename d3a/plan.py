@@ -179,7 +179,8 @@ def _term_steps(
         steps.append(FindSightings(var))  # the slice is about the change, see `_keep_steps`
     else:
         start, end = (query.time.start, query.time.end) if query.time else (None, None)
-        steps.append(FindSightings(var, start, end))
+        told = query.select if _tells_sightings(query, term) else None
+        steps.append(FindSightings(var, start, end, told))
     steps.append(FindStays(var))
     if " " in term.word:
         steps.append(KeepInRoom(var))
@@ -216,6 +217,13 @@ def _wants_the_last(query: FormalQuery) -> bool:
     plain = query.relation is None and query.place is None and query.time is None
     category = query.objects[0].category if query.objects else ANYTHING
     return query.select == "last" and plain and category != ANYTHING
+
+
+def _tells_sightings(query: FormalQuery, term: ObjectTerm) -> bool:
+    """Whether the answer is a choice of the object's sightings, not a number or a join of all."""
+    chosen = query.ask in ("whether", "where", "when", "what") and query.select != "usual"
+    plain = query.relation is None and query.place is None and term.where is None
+    return chosen and plain and len(query.objects) == 1 and term.quantity is None
 
 
 def _spreads(query: FormalQuery) -> bool:

@@ -12,7 +12,7 @@ from d3a.match import Candidate, Lexicon, squash
 from d3a.moments import Entry, Found, Moment, single
 from d3a.parameters import Parameters
 from d3a.places import FAR_M, Landmarks
-from d3a.plan import FindObjects, Rank, Relate, Step, Unite
+from d3a.plan import FilterPlace, FindObjects, Rank, Relate, Step, Unite
 from d3a.rank import Ranked
 from d3a.store.base import ObjectRecord, Region, Sighting, StayKey, Store
 from grammar.forms import ANYTHING, FormalQuery, ObjectTerm
@@ -34,7 +34,8 @@ class Run:
     unjudged: conditions left out, in the order of the question, none twice.
     rooms: by variable, the room that its noun names ("kitchen table"); plain: by variable, the
     candidates that the noun means wherever they are. refused: the attributes that `otherwise`
-    does not have. looked_then, apart: see `Answer`.
+    does not have. looked_then, apart: see `Answer`. limit: of keyframes. cut: not every sighting
+    was read; counted: of how many objects there are some.
     """
 
     query: FormalQuery
@@ -58,6 +59,9 @@ class Run:
     refused: tuple[str, ...] = ()
     looked_then: bool | None = None
     apart: int = 0
+    limit: int = 50
+    cut: bool = False
+    counted: int = 0
     suggestions: tuple[str, ...] = ()
     message: str | None = None
     rank_step: Rank | None = None
@@ -83,6 +87,14 @@ class Run:
             return self.moments
         found = self.found[var]
         return [single(found, sighting) for sighting in found.sightings]
+
+    def needs_stays(self, var: str) -> bool:
+        """Whether all stays of what was found count, not those of the sightings alone.
+
+        A room is judged by all stays of a thing: where none has a position it is not judged.
+        """
+        placed = any(isinstance(step, FilterPlace) for step in self.steps)
+        return placed or var in self.rooms
 
     def leave_out(self, condition: str) -> None:
         """Note a condition that this store cannot judge."""

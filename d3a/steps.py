@@ -48,11 +48,16 @@ class JudgeAttributes:
 
 @dataclass(frozen=True, slots=True)
 class FindSightings:
-    """STc.find: sightings of the objects of `var` that touch [start, end)."""
+    """STc.find: sightings of the objects of `var` that touch [start, end).
+
+    select: how the answer will choose, where it tells single sightings; then no more are read
+    than it can tell, see `d3a.bounded`. None: all are needed, to be counted or joined.
+    """
 
     var: str
     start: datetime | None = None
     end: datetime | None = None
+    select: Select | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -185,8 +185,11 @@ class Store(Protocol):
         """Return what people call the objects, by (word, owner or ""), none twice."""
         ...
 
-    def embeddings(self) -> tuple[list[str], NDArray[np.float32]]:
-        """Return the ids, by id, of the objects with an embedding, and their matrix (n, d)."""
+    def embeddings(self, limit: int | None = None) -> tuple[list[str], NDArray[np.float32]]:
+        """Return the ids, by id, of the objects with an embedding, and their matrix (n, d).
+
+        limit: only the first so many.
+        """
         ...
 
     # STc
@@ -204,6 +207,10 @@ class Store(Protocol):
         """
         ...
 
+    def stays_at(self, keys: Sequence[StayKey]) -> list[StayRecord]:
+        """Return these stays of those that there are, by (object_id, place)."""
+        ...
+
     def sightings(
         self,
         *,
@@ -217,6 +224,33 @@ class Store(Protocol):
 
         area: where the sighting's stay is. limit: only the first so many.
         """
+        ...
+
+    def newest(
+        self,
+        object_ids: Sequence[str],
+        limit: int,
+        *,
+        start_ms: int | None = None,
+        end_ms: int | None = None,
+        oldest: bool = False,
+    ) -> list[Sighting]:
+        """Return at most `limit` sightings that touch [start, end], by (start, object_id, place).
+
+        All of them where there are no more. Else the newest of each stay, of the `limit` stays
+        with the newest; of fewer stays than that up to limit // stays of each. Newest is the
+        greatest (start, object_id, place); with `oldest`, the least counts instead.
+        """
+        ...
+
+    def count_seen(
+        self,
+        object_ids: Sequence[str],
+        *,
+        start_ms: int | None = None,
+        end_ms: int | None = None,
+    ) -> int:
+        """Count the objects with a sighting that touches the closed [start, end]."""
         ...
 
     def edges(

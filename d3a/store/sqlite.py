@@ -28,6 +28,7 @@ from d3a.store.base import (
     RecordingRecord,
     Region,
     Sighting,
+    StayKey,
     StayRecord,
     StoreError,
     TaughtName,
@@ -45,6 +46,7 @@ from d3a.store.rows import (
     stay_record,
     view_record,
 )
+from d3a.store.sqlite_newest import Newest
 from d3a.store.sqlite_read import Select
 from d3a.store.sqlite_write import Writer
 
@@ -188,10 +190,9 @@ class SqliteStore:
         text = "SELECT DISTINCT word, owner FROM oic_name ORDER BY word, ifnull(owner, ''), owner"
         return [TaughtName(word, owner) for word, owner in self._rows(text)]
 
-    def embeddings(self) -> tuple[list[str], NDArray[np.float32]]:
+    def embeddings(self, limit: int | None = None) -> tuple[list[str], NDArray[np.float32]]:
         """Return the ids, by id, of the objects with an embedding, and their matrix (n, d)."""
-        text = "SELECT object_id, embedding FROM oic WHERE embedding IS NOT NULL ORDER BY object_id"
-        rows = self._rows(text)
+        rows = self._select(sqlite_read.embeddings(), limit)
         kind = self._rows("SELECT value FROM internal WHERE key = 'embedding'")
         length = json.loads(kind[0][0])[1] if kind else 0
         matrix = np.frombuffer(b"".join(blob for _, blob in rows), dtype="<f4")
@@ -209,6 +210,10 @@ class SqliteStore:
         select = sqlite_read.stays(object_ids, area, start_ms, end_ms, trees=self._trees)
         return [stay_record(row) for row in self._select(select)]
 
+    def stays_at(self, keys: Sequence[StayKey]) -> list[StayRecord]:
+        """Return these stays of those that there are, by (object_id, place)."""
+        return [stay_record(row) for row in self._select(sqlite_read.stays_at(keys))]
+
     def sightings(
         self,
         *,
@@ -221,6 +226,30 @@ class SqliteStore:
         """Return sightings by (start, object_id, place) that touch the closed [start, end]."""
         select = sqlite_read.sightings(object_ids, area, start_ms, end_ms, trees=self._trees)
         return [sighting_record(row) for row in self._select(select, limit)]
+
+    def newest(
+        self,
+        object_ids: Sequence[str],
+        limit: int,
+        *,
+        start_ms: int | None = None,
+        end_ms: int | None = None,
+        oldest: bool = False,
+    ) -> list[Sighting]:
+        """Return at most `limit` sightings, the newest of each stay first; see `Store.newest`."""
+        asked = Newest(object_ids, limit, start_ms, end_ms, oldest=oldest)
+        return [sighting_record(row) for row in asked.read(self._rows)]
+
+    def count_seen(
+        self,
+        object_ids: Sequence[str],
+        *,
+        start_ms: int | None = None,
+        end_ms: int | None = None,
+    ) -> int:
+        """Count the objects with a sighting that touches the closed [start, end]."""
+        select = sqlite_read.seen(object_ids, start_ms, end_ms)
+        return int(self._rows(select.text(), select.parameters)[0][0])
 
     def edges(
         self,

@@ -14,7 +14,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from d3a.store.base import Area
+from d3a.store.base import Area, StayKey
 from d3a.store.rows import (
     ENCOUNTER_COLUMNS,
     LIGHT_OBJECT_COLUMNS,
@@ -47,22 +47,26 @@ class Select:
     def text(self) -> str:
         """Return the SQL."""
         where = f" WHERE {' AND '.join(self.conditions)}" if self.conditions else ""
-        return f"SELECT {self.columns} FROM {self.source}{where} ORDER BY {self.order}"
+        order = f" ORDER BY {self.order}" if self.order else ""
+        return f"SELECT {self.columns} FROM {self.source}{where}{order}"
 
 
-def _among(column: str, parameter: str) -> str:
+def among(column: str, parameter: str) -> str:
+    """Return the condition that a column is in a list, see `as_list`."""
     return f"{column} IN (SELECT value FROM json_each(:{parameter}))"
 
 
-def _list(ids: Sequence[str]) -> str:
+def as_list(ids: Sequence[Any]) -> str:
+    """Return a list as the value of one parameter, however long it is."""
     return json.dumps(list(ids))
 
 
-def _of(alias: str, columns: str) -> str:
+def columns_of(alias: str, columns: str) -> str:
+    """Return the columns of a table's alias."""
     return ", ".join(f"{alias}.{name}" for name in columns.split(", "))
 
 
-def _touching(
+def touching(
     select: Select, alias: str, bound: str, start_ms: int | None, end_ms: int | None
 ) -> None:
     """Keep intervals of `alias` that touch the closed [start, end]; `bound` is their longest."""
@@ -95,19 +99,24 @@ def objects(
     """Return the query of `Store.objects`."""
     select = Select(OBJECT_COLUMNS if embeddings else LIGHT_OBJECT_COLUMNS, "oic", "object_id")
     if ids is not None:
-        select.where(_among("object_id", "ids"), ids=_list(ids))
+        select.where(among("object_id", "ids"), ids=as_list(ids))
     if categories is not None:
-        called = _among("category", "categories")
+        called = among("category", "categories")
         if votes:
             voted = f"SELECT object_id FROM oic_vote WHERE {called}"
             called = f"({called} OR object_id IN ({voted}))"
-        select.where(called, categories=_list(categories))
+        select.where(called, categories=as_list(categories))
     if names is not None:
         select.where(
-            f"object_id IN (SELECT object_id FROM oic_name WHERE {_among('word', 'names')})",
-            names=_list(names),
+            f"object_id IN (SELECT object_id FROM oic_name WHERE {among('word', 'names')})",
+            names=as_list(names),
         )
     return select
+
+
+def embeddings() -> Select:
+    """Return the query of `Store.embeddings`."""
+    return Select("object_id, embedding", "oic", "object_id", ["embedding IS NOT NULL"])
 
 
 def stays(
@@ -119,10 +128,10 @@ def stays(
     trees: bool,
 ) -> Select:
     """Return the query of `Store.stays`."""
-    columns, order = _of("p", STAY_COLUMNS), "p.object_id, p.place"
+    columns, order = columns_of("p", STAY_COLUMNS), "p.object_id, p.place"
     if object_ids is not None:
         select = Select(columns, "stc p", order)
-        select.where(_among("p.object_id", "ids"), ids=_list(object_ids))
+        select.where(among("p.object_id", "ids"), ids=as_list(object_ids))
     elif area is not None:
         select = _stays_in_box(columns, order, trees=trees)
     elif start_ms is not None:
@@ -135,6 +144,17 @@ def stays(
         select.where("p.last_ms >= :start_ms", start_ms=start_ms)
     if end_ms is not None:
         select.where("p.first_ms <= :end_ms", end_ms=end_ms)
+    return select
+
+
+def stays_at(keys: Sequence[StayKey]) -> Select:
+    """Return the query of `Store.stays_at`."""
+    source = (
+        "json_each(:keys) j CROSS JOIN stc p "
+        "ON p.object_id = json_extract(j.value, '$[0]') AND p.place = json_extract(j.value, '$[1]')"
+    )
+    select = Select(columns_of("p", STAY_COLUMNS), source, "p.object_id, p.place")
+    select.parameters["keys"] = as_list(sorted(set(keys)))
     return select
 
 
@@ -161,7 +181,7 @@ def sightings(
     By ids, else by the box (with time: the tree of x, y, t; without: the tree of places), else
     by time.
     """
-    columns, order = _of("s", SIGHTING_COLUMNS), "s.start_ms, s.object_id, s.place"
+    columns, order = columns_of("s", SIGHTING_COLUMNS), "s.start_ms, s.object_id, s.place"
     timed = start_ms is not None or end_ms is not None
     many = object_ids is not None and len(object_ids) > MANY_IDS and timed
     if object_ids is not None and not many:
@@ -175,12 +195,12 @@ def sightings(
         select.source += " CROSS JOIN sighting s ON s.stay_id = p.stay_id"
     if object_ids is not None:
         column = "+s.object_id" if many else "s.object_id"
-        select.where(_among(column, "ids"), ids=_list(object_ids))
+        select.where(among(column, "ids"), ids=as_list(object_ids))
     if area is not None:
         if " p" not in select.source:
             select.source += " CROSS JOIN stc p ON p.stay_id = s.stay_id"
         _inside(select, area)
-    _touching(select, "s", "max_sighting_ms", start_ms, end_ms)
+    touching(select, "s", "max_sighting_ms", start_ms, end_ms)
     return select
 
 
@@ -196,6 +216,16 @@ def _sightings_in_box(columns: str, order: str, start_ms: int | None, end_ms: in
     return select
 
 
+def seen(object_ids: Sequence[str], start_ms: int | None, end_ms: int | None) -> Select:
+    """Return the query of `Store.count_seen`: one step into an index per object."""
+    inner = Select("1", "sighting q INDEXED BY sighting_object_start", "")
+    inner.where("q.object_id = j.value")
+    touching(inner, "q", "max_sighting_ms", start_ms, end_ms)
+    select = Select("count(*)", "json_each(:ids) j", "", [f"EXISTS ({inner.text()})"])
+    select.parameters = {"ids": as_list(sorted(set(object_ids))), **inner.parameters}
+    return select
+
+
 def edges(
     object_ids: Sequence[str], which: str, before_ms: int | None, after_ms: int | None
 ) -> Select:
@@ -206,13 +236,13 @@ def edges(
         index, order = "sighting_object_start", "q.start_ms, q.end_ms, q.place"
     inner = Select("q.id", f"sighting q INDEXED BY {index}", order)
     inner.where("q.object_id = j.value")
-    _touching(inner, "q", "max_sighting_ms", after_ms, before_ms)
+    touching(inner, "q", "max_sighting_ms", after_ms, before_ms)
     if before_ms is not None and which == "last":
         longest = "(SELECT value FROM internal WHERE key = 'max_sighting_ms')"
         inner.where(f"q.end_ms <= :end_ms + {longest}")  # so that later sightings are not walked
     source = f"json_each(:ids) j CROSS JOIN sighting s ON s.id = ({inner.text()} LIMIT 1)"
-    select = Select(_of("s", SIGHTING_COLUMNS), source, "s.object_id")
-    select.parameters = {"ids": _list(sorted(set(object_ids))), **inner.parameters}
+    select = Select(columns_of("s", SIGHTING_COLUMNS), source, "s.object_id")
+    select.parameters = {"ids": as_list(sorted(set(object_ids))), **inner.parameters}
     return select
 
 
@@ -224,22 +254,22 @@ def encounters(
 ) -> Select:
     """Return the query of `Store.encounters`, driven by the smaller of the two lists."""
     order = "e.start_ms, e.object_a, e.object_b, e.place_a, e.place_b"
-    columns = _of("e", ENCOUNTER_COLUMNS)
+    columns = columns_of("e", ENCOUNTER_COLUMNS)
     few, more = sorted(
         (object_ids, with_ids), key=lambda ids: (ids is None, 0 if ids is None else len(ids))
     )
     if few is None:
         select = Select(columns, "encounter e INDEXED BY encounter_start", order)
-        _touching(select, "e", "max_encounter_ms", start_ms, end_ms)
+        touching(select, "e", "max_encounter_ms", start_ms, end_ms)
         return select
     arms = []
-    parameters: dict[str, Any] = {"ids": _list(few)}
+    parameters: dict[str, Any] = {"ids": as_list(few)}
     for mine, other in (("a", "b"), ("b", "a")):
         arm = Select("q.id", f"encounter q INDEXED BY encounter_{mine}", "1")
-        arm.where(_among(f"q.object_{mine}", "ids"))
+        arm.where(among(f"q.object_{mine}", "ids"))
         if more is not None:
-            arm.where(_among(f"+q.object_{other}", "more"), more=_list(more))
-        _touching(arm, "q", "max_encounter_ms", start_ms, end_ms)
+            arm.where(among(f"+q.object_{other}", "more"), more=as_list(more))
+        touching(arm, "q", "max_encounter_ms", start_ms, end_ms)
         parameters |= arm.parameters
         arms.append(arm.text().removesuffix(" ORDER BY 1"))
     select = Select(columns, "encounter e", order)
@@ -250,5 +280,5 @@ def encounters(
 def views(start_ms: int | None, end_ms: int | None) -> Select:
     """Return the query of `Store.views`."""
     select = Select(VIEW_COLUMNS, "seen_area v", "start_ms, end_ms, site, recording")
-    _touching(select, "v", "max_view_ms", start_ms, end_ms)
+    touching(select, "v", "max_view_ms", start_ms, end_ms)
     return select

@@ -45,12 +45,28 @@ def test_q1_finds_judges_and_ranks() -> None:
     assert plan(query).steps == (
         FindObjects("x", "cup", "mug", "anna", votes=True),
         JudgeAttributes("x", ("pink",)),
-        FindSightings("x"),
+        FindSightings("x", select="all"),
         FindStays("x"),
         Measure("whether", "x"),
         Rank(("x",), "all", spread=True),
         *END,
     )
+
+
+@pytest.mark.parametrize(
+    "query",
+    [
+        FormalQuery("", "Q1", "count", (BOWL,)),
+        FormalQuery("", "Q1", "how_often", (BOWL,)),
+        FormalQuery("", "Q1", "where", (BOWL,), place="kitchen"),
+        FormalQuery("", "Q1", "where", (BOWL,), select="usual"),
+        FormalQuery("", "Q1", "whether", (replace(BOWL, quantity=2),)),
+        FormalQuery("", "Q2", "when", (CUP, BOWL), Relation("on")),
+    ],
+)
+def test_what_is_counted_or_sifted_is_read_as_a_whole(query: FormalQuery) -> None:
+    finds = [step for step in plan(query).steps if isinstance(step, FindSightings)]
+    assert [find.select for find in finds] == [None] * len(query.objects)
 
 
 def test_q3_asks_for_the_slice_and_the_place() -> None:

@@ -225,6 +225,7 @@ def questions(draw: st.DrawFn) -> Question:
     span = {"start_ms": start, "end_ms": end}
     among, with_ids, area = draw(some_ids), draw(some_ids), draw(areas)
     limit = draw(st.none() | st.integers(0, 3))
+    most = draw(st.integers(1, 6))
     which = draw(st.sampled_from(["first", "last"]))
     categories = draw(st.none() | st.lists(st.sampled_from(CATEGORIES), max_size=2))
     words = draw(st.none() | st.lists(st.sampled_from(WORDS), max_size=2))
@@ -232,6 +233,11 @@ def questions(draw: st.DrawFn) -> Question:
         lambda s: s.sightings(object_ids=among, area=area, limit=limit, **span),
         lambda s: s.stays(object_ids=among, area=area, **span),
         lambda s: s.edges(among or [], which, before_ms=end, after_ms=start),
+        lambda s: s.newest(among or IDS, most, oldest=which == "first", **span),
+        lambda s: s.newest(IDS, most, oldest=which == "first"),
+        lambda s: s.count_seen(among or IDS, **span),
+        lambda s: s.stays_at([(name, place) for name in among or IDS for place in (0, 2)]),
+        lambda s: s.embeddings(most)[0],
         lambda s: s.encounters(object_ids=among, with_ids=with_ids, **span),
         lambda s: s.views(**span),
         lambda s: s.objects(ids=among, categories=categories, names=words),

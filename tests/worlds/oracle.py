@@ -149,8 +149,8 @@ class OracleStore:
         names = {name for record in self._objects.values() for name in record.names}
         return sorted(names, key=lambda name: (name.word, name.owner or "", name.owner is not None))
 
-    def embeddings(self) -> tuple[list[str], NDArray[np.float32]]:
-        ids = [k for k, r in sorted(self._objects.items()) if r.embedding is not None]
+    def embeddings(self, limit: int | None = None) -> tuple[list[str], NDArray[np.float32]]:
+        ids = [k for k, r in sorted(self._objects.items()) if r.embedding is not None][:limit]
         rows = [self._objects[k].embedding for k in ids]
         length = self._embedding_kind.length if self._embedding_kind else 0
         return ids, np.array(rows, dtype=np.float32).reshape(len(ids), length)
@@ -179,6 +179,9 @@ class OracleStore:
             and touches(record.first_ms, record.last_ms, start_ms, end_ms)
         ]
 
+    def stays_at(self, keys: Sequence[StayKey]) -> list[StayRecord]:
+        return [record for key, record in sorted(self._stays.items()) if key in keys]
+
     def sightings(
         self,
         *,
@@ -196,6 +199,37 @@ class OracleStore:
             and touches(record.start_ms, record.end_ms, start_ms, end_ms)
         ]
         return sorted(found, key=lambda r: (r.start_ms, *r.stay))[:limit]
+
+    def newest(
+        self,
+        object_ids: Sequence[str],
+        limit: int,
+        *,
+        start_ms: int | None = None,
+        end_ms: int | None = None,
+        oldest: bool = False,
+    ) -> list[Sighting]:
+        left = self.sightings(object_ids=object_ids, start_ms=start_ms, end_ms=end_ms)
+        places = {record.stay for record in left}
+        each = len(left) if len(left) <= limit else max(1, limit // len(places))
+        taken: Counter[StayKey] = Counter()
+        found: list[Sighting] = []
+        while left and len(found) < limit:
+            record = left.pop(0 if oldest else -1)
+            if taken[record.stay] < each:
+                taken[record.stay] += 1
+                found.append(record)
+        return sorted(found, key=lambda r: (r.start_ms, *r.stay))
+
+    def count_seen(
+        self,
+        object_ids: Sequence[str],
+        *,
+        start_ms: int | None = None,
+        end_ms: int | None = None,
+    ) -> int:
+        found = self.sightings(object_ids=object_ids, start_ms=start_ms, end_ms=end_ms)
+        return len({record.object_id for record in found})
 
     def edges(
         self,

@@ -1,0 +1,59 @@
+"""How much is read where far more was seen than can be told: the likeliest things, newest first.
+
+A memory of months holds thousands of sightings of a common thing and a person is told fifty. So
+that a question takes as long after a year as after a day, the rest is not read: objects that fit
+the word and the looks best come first, of these the newest stays. What was cut is said
+(`truncated`), and the objects are still counted, all of them.
+"""
+
+from __future__ import annotations
+
+from math import prod
+
+from d3a.match import Candidate
+from d3a.moments import Found, joined
+from d3a.rank import LEAST_OF_BEST, TENTATIVE
+from d3a.run import Run, milliseconds
+from d3a.steps import FindSightings
+from d3a.store.base import Sighting
+
+READ_A_KEYFRAME = 5
+"""Sightings that are read for each keyframe that may be shown."""
+AS_GOOD = 0.9
+"""Objects this near to the best in worth are as good: then the newer one comes first."""
+
+
+def find_bounded(run: Run, step: FindSightings) -> None:
+    """Find the sightings of a step that takes no more than the answer can tell."""
+    table = run.found[step.var]
+    start, end = milliseconds(step.start), milliseconds(step.end)
+    most = READ_A_KEYFRAME * run.limit
+    found: list[Sighting] = []
+    tiers = _tiers(table, (AS_GOOD, LEAST_OF_BEST) if step.select == "all" else (LEAST_OF_BEST,))
+    for ids in tiers:
+        left = most - len(found)
+        if left > 0 and ids:
+            oldest = step.select == "first"
+            found += run.facts.newest(ids, left, start, end, oldest=oldest)
+    table.sightings = joined(found)
+    if len(found) >= most:
+        last = None if end is None else end - 1
+        run.counted = run.store.count_seen(table.ids, start_ms=start, end_ms=last)
+        run.cut = True
+
+
+def _tiers(table: Found, shares: tuple[float, ...]) -> list[list[str]]:
+    """Return the ids by worth: at least so large a share of the best's; the last take the rest."""
+    worth = {name: _worth(candidate) for name, candidate in table.candidates.items()}
+    best = max(worth.values(), default=0.0)
+    tiers: list[list[str]] = [[] for _ in (*shares, 0.0)]
+    for name in sorted(worth):
+        place = sum(worth[name] < share * best for share in shares)
+        tiers[place].append(name)
+    return tiers
+
+
+def _worth(candidate: Candidate) -> float:
+    """Return the part of a moment's score that its object alone decides."""
+    doubt = TENTATIVE if candidate.record.tentative else 1.0
+    return candidate.match * prod(candidate.attributes.values()) * doubt

@@ -1,0 +1,149 @@
+"""The newest sightings of many objects, from an index and without reading the rest.
+
+A history of months holds more sightings of a common thing than a person can be told. Windows of
+time are walked from the newest (or the oldest) on, each as wide as should hold enough, until
+enough stays are found: what lies beyond is never touched.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from d3a.store.base import StayKey
+from d3a.store.rows import SIGHTING_COLUMNS, Row
+from d3a.store.sqlite_read import (
+    MANY_IDS,
+    Select,
+    among,
+    as_list,
+    columns_of,
+    sightings,
+    touching,
+)
+
+Rows = Callable[[str, dict[str, Any]], list[Row]]
+_ORDER = "s.start_ms, s.object_id, s.place"
+_PROBE = 4
+"""A step into an index costs as much as so many rows that are walked."""
+_EXTENT = """
+SELECT (SELECT max(id) FROM sighting), (SELECT min(start_ms) FROM sighting),
+  (SELECT max(start_ms) FROM sighting), (SELECT max(rowid) FROM oic),
+  (SELECT value FROM internal WHERE key = 'max_sighting_ms')
+"""
+
+
+@dataclass(slots=True)
+class _Stays:
+    """The stays found so far, each with start and row id of its newest sighting; and how many."""
+
+    newest: dict[StayKey, tuple[int, int]] = field(default_factory=dict)
+    sightings: int = 0
+
+    def take(self, rows: Sequence[Row]) -> int:
+        """Take a window's stays: those of an earlier window are newer. Returns its sightings."""
+        count = 0
+        for object_id, place, start_ms, row_id, several in rows:
+            self.newest.setdefault((object_id, place), (start_ms, row_id))
+            count += several
+        self.sightings += count
+        return count
+
+    def best(self, limit: int, *, oldest: bool) -> list[int]:
+        """Return the row ids of the newest `limit`, ties by object_id and place."""
+        ordered = sorted(
+            ((start_ms, *stay, row_id) for stay, (start_ms, row_id) in self.newest.items()),
+            reverse=not oldest,
+        )
+        return [row_id for *_, row_id in ordered[:limit]]
+
+
+@dataclass(frozen=True)
+class Newest:
+    """One call of `Store.newest`."""
+
+    object_ids: Sequence[str]
+    limit: int
+    start_ms: int | None
+    end_ms: int | None
+    oldest: bool = False
+
+    def read(self, rows: Rows) -> list[Row]:
+        """Return the rows of SIGHTING_COLUMNS. rows: runs a query."""
+        ids = sorted(set(self.object_ids))
+        if not ids or self.limit < 1:
+            return []
+        if len(ids) <= MANY_IDS and self._are_few(rows, ids):
+            return self._all(rows, ids)
+        stays = self._walk(rows, ids)
+        if len(stays.newest) < self.limit:
+            if stays.sightings <= self.limit:
+                return self._all(rows, ids)
+            return self._several_of_each(rows, sorted(stays.newest))
+        source = "json_each(:rows) j CROSS JOIN sighting s ON s.id = j.value"
+        best = as_list(stays.best(self.limit, oldest=self.oldest))
+        select = Select(columns_of("s", SIGHTING_COLUMNS), source, _ORDER, [], {"rows": best})
+        return rows(select.text(), select.parameters)
+
+    def _are_few(self, rows: Rows, ids: Sequence[str]) -> bool:
+        select = Select("q.id", "sighting q INDEXED BY sighting_object_start", "")
+        select.where(among("q.object_id", "ids"), ids=as_list(ids))
+        touching(select, "q", "max_sighting_ms", self.start_ms, self.end_ms)
+        text = f"SELECT count(*) FROM ({select.text()} LIMIT :most)"
+        counted = rows(text, {**select.parameters, "most": self.limit + 1})
+        return int(counted[0][0]) <= self.limit
+
+    def _all(self, rows: Rows, ids: Sequence[str]) -> list[Row]:
+        select = sightings(ids, None, self.start_ms, self.end_ms, trees=False)
+        return rows(select.text(), select.parameters)
+
+    def _walk(self, rows: Rows, ids: Sequence[str]) -> _Stays:
+        """Return the stays of windows of time, until they are enough or there is no more."""
+        found = _Stays()
+        last_row, first_ms, last_ms, objects, longest_ms = rows(_EXTENT, {})[0]
+        if last_row is None:
+            return found
+        low, high = first_ms, last_ms
+        if self.start_ms is not None:
+            low = max(low, self.start_ms - longest_ms)
+        if self.end_ms is not None:
+            high = min(high, self.end_ms)
+        a_ms = last_row / max(1, last_ms - first_ms)  # sightings of any object
+        share = min(1.0, len(ids) / max(1, objects))
+        width = max(60_000, round(2 * self.limit / (a_ms * share)))
+        listed = as_list(ids)
+        while low <= high and len(found.newest) < self.limit:
+            begin = low if self.oldest else max(low, high - width + 1)
+            end = min(high, low + width - 1) if self.oldest else high
+            walked = (end - begin + 1) * a_ms < _PROBE * len(ids)
+            count = found.take(self._window(rows, listed, begin, end, walked=walked))
+            low, high = (end + 1, high) if self.oldest else (low, begin - 1)
+            width *= 2 if count > self.limit // 4 else 8
+        return found
+
+    def _window(self, rows: Rows, listed: str, begin: int, end: int, *, walked: bool) -> list[Row]:
+        """Return (object_id, place, start, id, sightings) of each stay that starts within."""
+        index = "sighting_start" if walked else "sighting_object_start"
+        edge = "min" if self.oldest else "max"
+        columns = f"q.object_id, q.place, {edge}(q.start_ms), q.id, count(*)"  # id is of the edge
+        select = Select(columns, f"sighting q INDEXED BY {index}", "")
+        select.where(among(f"{'+' if walked else ''}q.object_id", "ids"), ids=listed)
+        select.where("q.start_ms BETWEEN :low AND :high", low=begin, high=end)
+        if self.start_ms is not None and begin < self.start_ms:
+            select.where("q.end_ms >= :start_ms", start_ms=self.start_ms)
+        return rows(f"{select.text()} GROUP BY q.object_id, q.place", select.parameters)
+
+    def _several_of_each(self, rows: Rows, stays: Sequence[StayKey]) -> list[Row]:
+        inner = Select("q.id", "sighting q", "q.start_ms" + ("" if self.oldest else " DESC"))
+        inner.where("q.stay_id = p.stay_id")
+        touching(inner, "q", "max_sighting_ms", self.start_ms, self.end_ms)
+        source = (
+            "json_each(:stays) j CROSS JOIN stc p ON p.object_id = json_extract(j.value, '$[0]') "
+            "AND p.place = json_extract(j.value, '$[1]') "
+            f"CROSS JOIN sighting s ON s.id IN ({inner.text()} LIMIT :each)"
+        )
+        select = Select(columns_of("s", SIGHTING_COLUMNS), source, _ORDER)
+        each = max(1, self.limit // len(stays))
+        given = {**inner.parameters, "stays": as_list(stays), "each": each}
+        return rows(select.text(), given)

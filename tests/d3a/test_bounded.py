@@ -1,0 +1,104 @@
+"""What is read where far more was seen than can be told."""
+
+from __future__ import annotations
+
+import random
+from contextlib import closing
+
+import pytest
+
+from assistant.asking import ask
+from d3a.answer import Answer
+from d3a.store import open_store, sqlite_newest
+from d3a.store.base import Store
+from d3a.store.newest import newest_of
+from tests.worlds import scaled
+from tests.worlds.made import NOW, Home
+from tests.worlds.oracle import OracleStore
+
+
+@pytest.fixture(scope="module")
+def home(tmp_path_factory: pytest.TempPathFactory) -> str:
+    """A small drawn home on disk: 600 stays of 15 objects and more."""
+    path = str(tmp_path_factory.mktemp("scaled") / "home.db")
+    with closing(open_store(path)) as store:
+        scaled.fill(store, 600, seed=3)
+    return path
+
+
+@pytest.mark.parametrize("many", [0, 10, 1000])
+def test_the_newest_of_each_stay_by_windows_as_by_reading_all(
+    home: str, many: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(sqlite_newest, "MANY_IDS", many)
+    draw = random.Random(many)
+    first, last = scaled.span_ms(600)
+    with closing(open_store(home, read_only=True)) as store:
+        ids = [record.object_id for record in store.objects(embeddings=False)]
+        for _ in range(60):
+            some = draw.sample(ids, draw.choice((1, 2, 5, len(ids))))
+            low, high = sorted(draw.randint(first - 9_999, last + 9_999) for _ in range(2))
+            start, end = draw.choice((None, low)), draw.choice((None, high))
+            limit, oldest = draw.choice((1, 7, 60, 5_000)), draw.random() < 0.5
+            read = store.sightings(object_ids=some, start_ms=start, end_ms=end)
+            found = store.newest(some, limit, start_ms=start, end_ms=end, oldest=oldest)
+            assert found == newest_of(read, limit, oldest=oldest)
+            seen = store.count_seen(some, start_ms=start, end_ms=end)
+            assert seen == len({sighting.object_id for sighting in read})
+
+
+@pytest.fixture
+def cups() -> OracleStore:
+    """A cup at one place 600 times and once at another before; a red ball before many pink ones."""
+    home = Home()
+    home.thing("c", "cup")
+    home.seen("c", -90, at=(8.0, 1.0, 0.0), place=1)
+    home.thing("red", "ball", paint="red")
+    home.seen("red", -80, at=(5.0, 5.0, 0.0))
+    for number in range(600):
+        home.seen("c", number / 2, at=(1.0, 1.0, 0.0))
+    for number in range(300):
+        home.thing(f"pink{number}", "ball", paint="pink")
+        home.seen(f"pink{number}", number / 2)
+    store = OracleStore()
+    home.into(store)
+    return store
+
+
+def told(store: Store, text: str) -> Answer:
+    return ask(store, text, now=NOW)
+
+
+def test_a_place_is_told_however_often_another_was_seen(cups: Store) -> None:
+    answer = told(cups, "Did you see a cup?")
+    assert answer.truncated
+    assert answer.count == 1
+    assert {k.position for k in answer.keyframes[:2]} == {(1.0, 1.0, 0.0), (8.0, 1.0, 0.0)}
+
+
+def test_the_oldest_are_read_where_they_are_asked_for(cups: Store) -> None:
+    first = told(cups, "When did you first see the cup?")
+    assert first.keyframes[0].position == (8.0, 1.0, 0.0)
+
+
+def test_the_likeliest_is_told_however_many_came_since(cups: Store) -> None:
+    answer = told(cups, "Did you see a red ball?")
+    assert answer.keyframes[0].object_id == "red"
+
+
+def test_all_are_counted_where_not_all_are_read(cups: Store) -> None:
+    answer = told(cups, "Did you see a ball?")
+    assert answer.truncated
+    assert answer.count == 301
+
+
+def test_numbers_are_of_all_that_was_seen(cups: Store) -> None:
+    assert told(cups, "How often did you see the cup?").value == 601
+
+
+def test_a_store_that_was_read_before_answers_the_same(cups: Store) -> None:
+    questions = ("Did you see a cup?", "Where is the ball?", "When did you first see the ball?")
+    alone = [told(cups, question) for question in questions]
+    ask(cups, "How many things did you see?", now=NOW)  # everything is known now
+    again = [told(cups, question) for question in questions]
+    assert [a.keyframes for a in again] == [a.keyframes for a in alone]
