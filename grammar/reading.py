@@ -5,10 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from datetime import datetime, timedelta
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from grammar import antecedent, lalr, scope, speech, tagger, timespan
+from grammar import antecedent, clock, lalr, scope, speech, tagger, timespan
 from grammar.cursor import TIME_GAP, Tagged
+from grammar.days import TimeAmbiguityError, TimeError, TimesApartError
 from grammar.errors import Ambiguous, NotUnderstood, OutOfScope, QuestionError
 from grammar.forms import FormalQuery, ObjectTerm, TimeSlice
 from grammar.meaning import Meaning, MeaningError, query, readings
@@ -16,9 +17,6 @@ from grammar.suggestions import spelled, suggestions
 from grammar.transform import Meanings
 from grammar.vocabulary import Lexicon
 from grammar.words import MAX_CHARACTERS, MAX_WORDS, Word, split
-
-if TYPE_CHECKING:
-    from grammar.days import TimeAmbiguityError
 
 QUESTION = lalr.Source("question.lark", ("start", "fragment"))
 
@@ -105,7 +103,7 @@ class Reading:
     def terminals(self, words: list[Word], it: ObjectTerm | None) -> Terminals:
         """Take the times out and type the words; raises what the words alone give away."""
         times = timespan.find([w.text for w in words])
-        present = bool(times) and all(time.said.is_present for time in times)
+        present = bool(times) and all(timespan.is_present(time.said) for time in times)
         rest, slice_ = self._timed(words, times)
         rest = scope.without_purpose(rest)
         scope.refuse_early(self.text, words, rest, self.lexicon, it)
@@ -142,21 +140,22 @@ class Reading:
         """Return the words without their times, and the slice that the times name together."""
         if not times:
             return words, None
-        from grammar import clock  # half of the questions name no time
-        from grammar.days import TimeAmbiguityError, TimeError
-
         rest: list[Word] = []
         last = 0
-        for time in times:
-            rest += words[last : time.first]
+        listed = timespan.listed(times, [w.text for w in words])
+        for i, time in enumerate(times):
+            joined = listed is not None and listed[0] < i <= listed[1]
+            rest += [] if joined else words[last : time.first]
             rest.append(replace(words[time.first], text=TIME_GAP))
             last = time.last
         rest += words[last:]
         first = words[times[0].first]
         try:
-            return rest, clock.resolve(timespan.joined(times), self.now, month_first(self.now))
+            return rest, self._slice(words, times)
         except TimeAmbiguityError as error:
             raise self._ambiguous_date(words, error) from error
+        except TimesApartError as error:
+            raise self._ambiguous_times(words, times, error) from error
         except TimeError as error:
             said = self.text[first.start : words[times[-1].last - 1].end]
             raise NotUnderstood(
@@ -166,6 +165,24 @@ class Reading:
                 suggestions(rest, self.lexicon),
             ) from error
 
+    def _slice(self, words: list[Word], times: list[timespan.Found]) -> TimeSlice:
+        """Return the slice that the times name together."""
+        said = timespan.joined(times, [w.text for w in words])
+        return clock.resolve(said, self.now, month_first(self.now))
+
+    def _ambiguous_times(
+        self, words: list[Word], times: list[timespan.Found], error: TimesApartError
+    ) -> QuestionError:
+        """Return the question with each of two times that lie apart: on monday and friday."""
+        pair = timespan.listed(times, [w.text for w in words])
+        assert pair is not None  # only times that are listed lie apart
+        spelled: list[str] = []
+        first, last = words[times[pair[0]].first].start, words[times[pair[1]].last - 1].end
+        for time in times[pair[0] : pair[1] + 1]:
+            said = self.text[words[time.first].start : words[time.last - 1].end]
+            spelled.append(f"{self.text[:first]}{said}{self.text[last:]}")
+        return self._ambiguous(words[times[pair[0]].first].start, error, spelled[:3])
+
     def _ambiguous_date(self, words: list[Word], error: TimeAmbiguityError) -> QuestionError:
         """Return both readings of a date in digits, each spelled with its month's name."""
         date = next(w for w in words if timespan.is_slashed(w.text))
@@ -173,6 +190,10 @@ class Reading:
         for reading in error.readings:
             said = timespan.date_in_words(reading)
             spelled.append(f"{self.text[: date.start]}{said}{self.text[date.end :]}")
+        return self._ambiguous(date.start, error, spelled)
+
+    def _ambiguous(self, position: int, error: TimeError, spelled: list[str]) -> QuestionError:
+        """Return the error that offers each spelling of the question with what it means."""
         try:
             queries = tuple(
                 replace(self, text=text).of(
@@ -181,9 +202,10 @@ class Reading:
                 for text in spelled
             )
         except QuestionError as other:
-            return other  # the question fails however its date is read
+            # the question fails however its time is read
+            return replace(other, text=self.text, position=position)
         return Ambiguous(
-            self.text, date.start, f"{str(error).capitalize()}.", tuple(spelled), queries
+            self.text, position, f"{str(error).capitalize()}.", tuple(spelled), queries
         )
 
     def _refused(self, error: MeaningError, rest: list[Word]) -> QuestionError:

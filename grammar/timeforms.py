@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Literal, TypeAlias
 
@@ -47,10 +46,14 @@ class Days:
 
 @dataclass(frozen=True, slots=True)
 class Weekday:
-    """A day of the week, Monday 0. which: gone (today counts), last (it does not), this week's."""
+    """A day of the week, Monday 0. which: gone (today counts), last (it does not), this week's.
+
+    back: how many of them ago: two mondays ago is 2.
+    """
 
     number: int
     which: Literal["gone", "last", "this"] = "gone"
+    back: int = 1
 
 
 @dataclass(frozen=True, slots=True)
@@ -136,6 +139,14 @@ class Part:
 
 
 @dataclass(frozen=True, slots=True)
+class PartAgo:
+    """A part of the day `back` days ago: three evenings ago."""
+
+    name: str
+    back: int
+
+
+@dataclass(frozen=True, slots=True)
 class PartDay:
     """A part of a certain day: last night, this morning."""
 
@@ -156,13 +167,17 @@ class Stamp:
 
 
 Day: TypeAlias = Days | Weekday | Date | Calendar | Weekend | Nth | Holiday | Season | Decade
-Piece: TypeAlias = Day | Clock | Ago | Edge | Whole | Part | PartDay | Now | Stamp
+Piece: TypeAlias = Day | Clock | Ago | Edge | Whole | Part | PartAgo | PartDay | Now | Stamp
 Pieces: TypeAlias = tuple[Piece, ...]
 
 
 @dataclass(frozen=True, slots=True)
 class Bound:
-    """An interval by its sides. kind: between, since, until, before, after, around, past."""
+    """An interval by its sides.
+
+    kind: between, since, until, before, after, around, past, both (all sides in a row), or what is
+    next to its side: "week before", "night after".
+    """
 
     kind: str
     sides: tuple[Pieces, ...] = ()
@@ -180,23 +195,6 @@ class SpokenTime:
     bounds: tuple[Bound, ...] = ()
     offset: Length | None = None
     offset_sign: int = 0
-
-    @property
-    def is_present(self) -> bool:
-        """Whether it says no more than now: currently, at the moment."""
-        bare = not self.bounds and self.offset is None
-        return bare and all(isinstance(piece, Now) for piece in self.pieces)
-
-    def narrowed(self, others: Sequence[SpokenTime]) -> SpokenTime:
-        """Return this time and others of the question as one: they narrow each other."""
-        times = (self, *others)
-        offset = next((t for t in times if t.offset is not None), None)
-        return SpokenTime(
-            tuple(piece for t in times for piece in t.pieces),
-            tuple(bound for t in times for bound in t.bounds),
-            offset.offset if offset else None,
-            offset.offset_sign if offset else 0,
-        )
 
 
 def with_month(date: Date, other: Date) -> Date:
