@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from datetime import datetime, timedelta
+from datetime import datetime
 from functools import lru_cache
 from typing import Any
 
-from grammar import antecedent, clock, lalr, scope, speech, tagger, timespan
+from grammar import antecedent, lalr, scope, speech, tagger, timespan
 from grammar.cursor import TIME_GAP, Tagged
-from grammar.days import TimeAmbiguityError, TimeError, TimesApartError
 from grammar.errors import Ambiguous, NotUnderstood, OutOfScope, QuestionError
 from grammar.forms import FormalQuery, ObjectTerm, TimeSlice
 from grammar.meaning import Meaning, MeaningError, query, readings
@@ -24,20 +23,6 @@ QUESTION = lalr.Source("question.lark", ("start", "fragment"))
 @lru_cache(maxsize=1)
 def _parser() -> lalr.Parser:
     return lalr.Parser(QUESTION.tables(), Meanings())
-
-
-def month_first(now: datetime) -> bool | None:
-    """Return whether the country of `now`'s zone writes the month first, None where unknown.
-
-    A named zone of the Americas and an offset that only the Americas have write 3/4 for March 4.
-    """
-    key = str(getattr(now.tzinfo, "key", ""))
-    if key.startswith(("America/", "US/")):
-        return True
-    if "/" in key and not key.startswith("Etc/"):
-        return False
-    offset = now.utcoffset()
-    return True if offset is not None and offset <= timedelta(hours=-4) else None
 
 
 def capped(text: str) -> list[Word]:
@@ -100,11 +85,20 @@ class Reading:
         )
         return self.finished(meaning, found)
 
+    def again(self, text: str) -> FormalQuery:
+        """Read another spelling of the text, its times said in another way."""
+        plain = [speech.plain(words, self.lexicon) for words in speech.sentences(split(text))]
+        return replace(self, text=text).of(plain)
+
     def terminals(self, words: list[Word], it: ObjectTerm | None) -> Terminals:
         """Take the times out and type the words; raises what the words alone give away."""
         times = timespan.find([w.text for w in words])
-        present = bool(times) and all(timespan.is_present(time.said) for time in times)
-        rest, slice_ = self._timed(words, times)
+        rest, present = words, False
+        slice_: TimeSlice | None = None
+        if times:
+            from grammar import placing  # half of the questions name no time and need no clock
+
+            rest, slice_, present = placing.placed(self, words, times)
         rest = scope.without_purpose(rest)
         scope.refuse_early(self.text, words, rest, self.lexicon, it)
         tagged = tagger.tag(rest, self.lexicon, it)
@@ -133,80 +127,6 @@ class Reading:
             raise self._refused(error, found.words) from error
         scope.refuse_late(self.text, done, found.words, self.lexicon)
         return done
-
-    def _timed(
-        self, words: list[Word], times: list[timespan.Found]
-    ) -> tuple[list[Word], TimeSlice | None]:
-        """Return the words without their times, and the slice that the times name together."""
-        if not times:
-            return words, None
-        rest: list[Word] = []
-        last = 0
-        listed = timespan.listed(times, [w.text for w in words])
-        for i, time in enumerate(times):
-            joined = listed is not None and listed[0] < i <= listed[1]
-            rest += [] if joined else words[last : time.first]
-            rest.append(replace(words[time.first], text=TIME_GAP))
-            last = time.last
-        rest += words[last:]
-        first = words[times[0].first]
-        try:
-            return rest, self._slice(words, times)
-        except TimeAmbiguityError as error:
-            raise self._ambiguous_date(words, error) from error
-        except TimesApartError as error:
-            raise self._ambiguous_times(words, times, error) from error
-        except TimeError as error:
-            said = self.text[first.start : words[times[-1].last - 1].end]
-            raise NotUnderstood(
-                self.text,
-                first.start,
-                f"“{said}” is no time I can place: {error}.",
-                suggestions(rest, self.lexicon),
-            ) from error
-
-    def _slice(self, words: list[Word], times: list[timespan.Found]) -> TimeSlice:
-        """Return the slice that the times name together."""
-        said = timespan.joined(times, [w.text for w in words])
-        return clock.resolve(said, self.now, month_first(self.now))
-
-    def _ambiguous_times(
-        self, words: list[Word], times: list[timespan.Found], error: TimesApartError
-    ) -> QuestionError:
-        """Return the question with each of two times that lie apart: on monday and friday."""
-        pair = timespan.listed(times, [w.text for w in words])
-        assert pair is not None  # only times that are listed lie apart
-        spelled: list[str] = []
-        first, last = words[times[pair[0]].first].start, words[times[pair[1]].last - 1].end
-        for time in times[pair[0] : pair[1] + 1]:
-            said = self.text[words[time.first].start : words[time.last - 1].end]
-            spelled.append(f"{self.text[:first]}{said}{self.text[last:]}")
-        return self._ambiguous(words[times[pair[0]].first].start, error, spelled[:3])
-
-    def _ambiguous_date(self, words: list[Word], error: TimeAmbiguityError) -> QuestionError:
-        """Return both readings of a date in digits, each spelled with its month's name."""
-        date = next(w for w in words if timespan.is_slashed(w.text))
-        spelled: list[str] = []
-        for reading in error.readings:
-            said = timespan.date_in_words(reading)
-            spelled.append(f"{self.text[: date.start]}{said}{self.text[date.end :]}")
-        return self._ambiguous(date.start, error, spelled)
-
-    def _ambiguous(self, position: int, error: TimeError, spelled: list[str]) -> QuestionError:
-        """Return the error that offers each spelling of the question with what it means."""
-        try:
-            queries = tuple(
-                replace(self, text=text).of(
-                    [speech.plain(s, self.lexicon) for s in speech.sentences(split(text))]
-                )
-                for text in spelled
-            )
-        except QuestionError as other:
-            # the question fails however its time is read
-            return replace(other, text=self.text, position=position)
-        return Ambiguous(
-            self.text, position, f"{str(error).capitalize()}.", tuple(spelled), queries
-        )
 
     def _refused(self, error: MeaningError, rest: list[Word]) -> QuestionError:
         words = [w for w in rest if w.text != TIME_GAP]

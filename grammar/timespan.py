@@ -2,28 +2,17 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import TYPE_CHECKING
 
 from grammar import lalr
 from grammar.closed import is_open
 from grammar.timedigits import TimeToken
-from grammar.timeforms import (
-    Ago,
-    Bound,
-    Clock,
-    Date,
-    Edge,
-    Now,
-    Part,
-    PartDay,
-    SpokenTime,
-    Whole,
-)
 from grammar.timelexer import tokenise
-from grammar.timetransform import TimeForms
-from grammar.timewords import MONTHS
+
+if TYPE_CHECKING:  # many a question names no time and needs no form of any
+    from grammar.timeforms import SpokenTime
 
 TIME = lalr.Source("time.lark")
 
@@ -39,6 +28,8 @@ class Found:
 
 @lru_cache(maxsize=1)
 def _parser() -> lalr.Parser:
+    from grammar.timetransform import TimeForms
+
     return lalr.Parser(TIME.tables(), TimeForms())
 
 
@@ -111,61 +102,3 @@ def _false_friend(run: list[TimeToken], start: int, stop: int, words: list[str])
     if len(kept) == 1 and last.type in ("WEEKDAY", "PART", "MONTH", "HOLIDAY", "WEEKEND"):
         return not led
     return False
-
-
-def listed(times: list[Found], words: list[str]) -> tuple[int, int] | None:
-    """Return the first and the last of times that `and` or `or` joins, None for none.
-
-    Such are times of one kind: on monday and tuesday, in 2016 and 2017, this morning or afternoon.
-    """
-    pairs = [
-        i
-        for i in range(len(times) - 1)
-        if {*words[times[i].last : times[i + 1].first]} <= {"and", "or", ","}
-        and times[i].last < times[i + 1].first
-        and _kinds(times[i]) & _kinds(times[i + 1])
-    ]
-    return (pairs[0], pairs[-1] + 1) if pairs else None
-
-
-def _kinds(time: Found) -> set[str]:
-    """Return whether days, parts of the day or clock times are named; none for an interval."""
-    if time.said.bounds or time.said.offset is not None:
-        return set()
-    kinds = {Clock: "clock", Part: "part", PartDay: "day", Edge: "", Now: "", Whole: "", Ago: "ago"}
-    return {kinds.get(type(piece), "day") for piece in time.said.pieces} - {""}
-
-
-def joined(times: list[Found], words: list[str]) -> SpokenTime:
-    """Return the times of a question as one: they narrow each other wherever they stand."""
-    if len(times) == 1:
-        return times[0].said
-    pair = listed(times, words)
-    if pair is not None:
-        first, last = pair
-        sides = tuple(time.said.pieces for time in times[first : last + 1])
-        both = Found(SpokenTime((), (Bound("both", sides),)), times[first].first, times[last].last)
-        return joined([*times[:first], both, *times[last + 1 :]], words)
-    offset = next((t.said for t in times if t.said.offset is not None), None)
-    return SpokenTime(
-        tuple(piece for t in times for piece in t.said.pieces),
-        tuple(bound for t in times for bound in t.said.bounds),
-        offset.offset if offset else None,
-        offset.offset_sign if offset else 0,
-    )
-
-
-def is_present(said: SpokenTime) -> bool:
-    """Whether a time says no more than now: currently, at the moment."""
-    return not said.bounds and said.offset is None and all(isinstance(p, Now) for p in said.pieces)
-
-
-def is_slashed(word: str) -> bool:
-    """Whether a word is a date in digits whose order tells nothing: 3/4/2018."""
-    return re.fullmatch(r"\d{1,2}[-/.]\d{1,2}([-/.]\d{2,4})?", word) is not None
-
-
-def date_in_words(date: Date) -> str:
-    """Return a date as it is said, month by its name: `March 4, 2018`."""
-    month = MONTHS[(date.month or 1) - 1].capitalize()
-    return f"{month} {date.day}" + (f", {date.year}" if date.year is not None else "")
