@@ -17,7 +17,9 @@ from d3a.model import BadInput, Box, Depth, Image
 
 Pixels = NDArray[np.uint8]
 HISTOGRAM_MODEL = "rgb-8x8x8"
-MILLIMETRE_M = 0.001
+MILLIMETRES = 1000.0
+MAX_SIDE, MAX_PIXELS = 1 << 16, 1 << 27
+"""A larger picture is refused before it is decoded: it would fill the memory."""
 _MARKER = re.compile(rb"\xff[^\x00\xff\xd0-\xd7]")  # a JPEG marker but for stuffing and restarts
 _END, _SCAN = 0xD9, 0xDA
 
@@ -39,11 +41,11 @@ def decode(image: Image) -> Pixels:
     return np.asarray(cv2.cvtColor(pixels, cv2.COLOR_BGR2RGB), dtype=np.uint8)
 
 
-def decode_depth(depth: Depth) -> NDArray[np.float32]:
+def decode_depth(depth: Depth, scale: float = MILLIMETRES) -> NDArray[np.float32]:
     """Return depth in metres (h, w), 0 where nothing was measured.
 
-    A PNG holds 16-bit millimetres (REP 118). Raises BadInput for a file that is missing, cut off,
-    or not 16-bit with one channel.
+    A PNG holds 16-bit counts, `scale` of them a metre: millimetres (REP 118) unless told. Raises
+    BadInput for a file that is missing, cut off, or not 16-bit with one channel.
     """
     if isinstance(depth, np.ndarray):
         return np.nan_to_num(depth, nan=0.0, posinf=0.0, neginf=0.0)
@@ -52,8 +54,8 @@ def decode_depth(depth: Depth) -> NDArray[np.float32]:
         raise BadInput("the depth picture is cut off")
     raw = _decoded(content, cv2.IMREAD_UNCHANGED)
     if raw is None or raw.dtype != np.uint16 or raw.ndim != 2:
-        raise BadInput("depth must be a 16-bit PNG with one channel, in millimetres")
-    return np.asarray(raw, dtype=np.float32) * np.float32(MILLIMETRE_M)
+        raise BadInput("depth must be a 16-bit PNG with one channel")
+    return np.asarray(raw, dtype=np.float32) / np.float32(scale)
 
 
 def _content(source: Path | bytes) -> bytes:
@@ -71,10 +73,49 @@ def _content(source: Path | bytes) -> bytes:
 
 def _decoded(content: bytes, flags: int) -> NDArray[Any] | None:
     """Return what OpenCV makes of the bytes, None where it makes nothing."""
+    _refuse_huge(_written_size(content))
     try:
         return cv2.imdecode(np.frombuffer(content, np.uint8), flags)
     except cv2.error as error:  # sizes beyond its limits
         raise BadInput(f"the picture cannot be decoded: {error.err}") from error
+
+
+def size(image: Image) -> tuple[int, int]:
+    """Return width and height, from the header where that says it; BadInput as `decode`."""
+    if isinstance(image, np.ndarray):
+        return image.shape[1], image.shape[0]
+    content = _content(image)
+    is_turned = b"Exif\0\0" in content[:4096]  # it may be: then the header has it the other way
+    written = None if is_turned or is_cut(content) else _written_size(content)
+    if written is not None:
+        _refuse_huge(written)
+        return written
+    pixels = decode(content)
+    return pixels.shape[1], pixels.shape[0]
+
+
+def _refuse_huge(written: tuple[int, int] | None) -> None:
+    if written is not None and (max(written) > MAX_SIDE or written[0] * written[1] > MAX_PIXELS):
+        raise BadInput(f"the picture is too large to decode: {written[0]} x {written[1]} pixels")
+
+
+def _written_size(content: bytes) -> tuple[int, int] | None:
+    """Return the size in a PNG's or JPEG's header, None for other formats or where there is none.
+
+    A JPEG's is in its frame header (SOF), whose size is the picture's and not its thumbnail's.
+    """
+    if content.startswith(b"\x89PNG"):
+        if len(content) < 24:
+            return None
+        return int.from_bytes(content[16:20], "big"), int.from_bytes(content[20:24], "big")
+    at = 2 if content.startswith(b"\xff\xd8") else len(content)
+    while found := _MARKER.search(content, at):
+        marker, start = content[found.end() - 1], found.end()
+        if 0xC0 <= marker <= 0xCF and marker not in (0xC4, 0xC8, 0xCC):
+            height, width = content[start + 3 : start + 5], content[start + 5 : start + 7]
+            return int.from_bytes(width, "big"), int.from_bytes(height, "big")
+        at = start + (int.from_bytes(content[start : start + 2], "big") if marker != 0x01 else 0)
+    return None
 
 
 def is_cut(content: bytes) -> bool:

@@ -108,6 +108,7 @@ class Frame:
 
     name: the recording's own frame number or name. time_ms: UTC milliseconds, acquisition.
     detections: None where no detector has looked yet, () where it found nothing.
+    depth_scale: counts a metre in a depth PNG; 1000 is millimetres.
     """
 
     name: str
@@ -117,3 +118,4 @@ class Frame:
     image: Image | None = field(default=None, repr=False, compare=False)
     depth: Depth | None = field(default=None, repr=False, compare=False)
     detections: tuple[Detection, ...] | None = None
+    depth_scale: float = 1000.0

@@ -22,6 +22,7 @@ from d3a.sightings import FrameRef, Scene
 STAGES = ("decode", "embed", "tiers", "store")
 BROKEN_PICTURE = "broken picture"
 BROKEN_DEPTH = "broken depth picture"
+OTHER_CAMERA = "picture of another size than the camera's, which is then not used"
 WEAK = "detection below the least probability"
 OUTSIDE = "box outside of the picture"
 
@@ -83,6 +84,7 @@ class Preparation:
         """Return the frame's scene; what is broken in it is added to `skipped`."""
         with self._stopwatch.stage("decode"):
             pixels, has_picture = self._picture(frame, skipped)
+            frame = _with_its_camera(frame, pixels, skipped)
             depth = self._depth(frame, pixels, skipped)
         with self._stopwatch.stage("embed"):
             detections = self._detector.detect(frame, pixels)
@@ -120,7 +122,7 @@ class Preparation:
         if frame.depth is None:
             return None
         try:
-            depth = images.decode_depth(frame.depth)
+            depth = images.decode_depth(frame.depth, frame.depth_scale)
         except BadInput as error:
             skipped.add(BROKEN_DEPTH, f"{frame.name} ({error})")
             return None
@@ -158,6 +160,18 @@ def _size(frame: Frame, pixels: Pixels | None) -> tuple[int, int] | None:
     if pixels is not None:
         return pixels.shape[1], pixels.shape[0]
     return None if frame.camera is None else (frame.camera.width, frame.camera.height)
+
+
+def _with_its_camera(frame: Frame, pixels: Pixels | None, skipped: Skipped) -> Frame:
+    """Return the frame without a camera that its picture was not taken with."""
+    camera = frame.camera
+    if pixels is None or camera is None:
+        return frame
+    height, width = pixels.shape[:2]
+    if (camera.width, camera.height) == (width, height):
+        return frame
+    skipped.add(OTHER_CAMERA, f"{frame.name} ({width} x {height})")
+    return replace(frame, camera=None)
 
 
 def _embedded(detection: Detection, pixels: Pixels) -> Detection:

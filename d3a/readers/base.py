@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
-from typing import Protocol
+from itertools import pairwise
+from typing import Protocol, runtime_checkable
 
 from d3a.model import Frame, Json
 
@@ -24,6 +25,7 @@ class RecordingFacts:
     classes: what the detector can recognise, () where unknown. embedding_model: of recorded
     embeddings. now: a fixed "now" in ISO form (the demo home). extra: fields kept in the store.
     min_probability: below it the detector's words are noise; used where `Parameters` leaves it.
+    notes: what the reader took for granted, a sentence each, for whoever looks on.
     """
 
     name: str
@@ -36,6 +38,7 @@ class RecordingFacts:
     regions: Regions = field(default_factory=Regions)
     extra: Json = field(default_factory=dict)
     min_probability: float = 0.0
+    notes: tuple[str, ...] = ()
 
 
 @dataclass(slots=True)
@@ -65,4 +68,70 @@ class Reader(Protocol):
 
     def __iter__(self) -> Iterator[Frame]:
         """Yield frames in time order."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class Stream:
+    """One part of a recording as it lies there: a table, a folder of pictures, or a topic.
+
+    kind: what it holds ("pictures", "depth", "sensor_msgs/msg/Image", ...). count: its rows or
+    messages. first_ms, last_ms: UTC milliseconds, None where it has no times. longest_gap_s: the
+    longest time between two, None below two.
+    """
+
+    name: str
+    kind: str
+    count: int
+    first_ms: int | None = None
+    last_ms: int | None = None
+    longest_gap_s: float | None = None
+
+    @classmethod
+    def of(cls, name: str, kind: str, times_ms: Sequence[int]) -> Stream:
+        """Return the stream of these times, in any order."""
+        ordered = sorted(times_ms)
+        gaps = [b - a for a, b in pairwise(ordered)]
+        return cls(
+            name,
+            kind,
+            len(ordered),
+            ordered[0] if ordered else None,
+            ordered[-1] if ordered else None,
+            max(gaps) / 1000 if gaps else None,
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Link:
+    """A coordinate frame below its parent in the tf tree; is_fixed: it came on /tf_static."""
+
+    parent: str
+    child: str
+    is_fixed: bool
+    count: int = 1
+
+
+@runtime_checkable
+class Described(Protocol):
+    """A reader that can tell what the recording is made of, for `d3a doctor`.
+
+    Readers need none of it: what every one can tell is counted from its frames.
+    """
+
+    def streams(self) -> Sequence[Stream]:
+        """Return the parts there are, used or not."""
+        ...
+
+    def links(self) -> Sequence[Link]:
+        """Return the tf tree, () for a recording without one."""
+        ...
+
+
+@runtime_checkable
+class Outlined(Protocol):
+    """A reader whose frames cost much to make, and which can do without their pictures."""
+
+    def outline(self) -> Iterator[Frame]:
+        """Yield the frames of `__iter__`; one picture may stand in for those not decoded."""
         ...

@@ -2,58 +2,90 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+import difflib
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from d3a.model import BadInput
-from d3a.readers import kuri, posed, recording
+from d3a.readers import kuri, parsing, posed, recording, tum
 from d3a.readers.base import Reader
+from d3a.readers.options import Options
 
 
 @dataclass(frozen=True, slots=True)
 class Format:
-    """A kind of recording: how to know it, and what reads it."""
+    """A kind of recording: how to know it, what reads it, and which options that takes.
+
+    looks_like: cheap, and true of one format only. options: name -> what it is, besides those of
+    every reader; a name that ends in a dot takes any key after it.
+    """
 
     looks_like: Callable[[Path], bool]
-    reader: Callable[[Path, str | None], Reader]
+    reader: Callable[[Path, Options], Reader]
     looked_for: str
+    options: Mapping[str, str] = field(default_factory=dict)
 
 
 FORMATS: dict[str, Format] = {
     "recording": Format(
         recording.looks_like,
-        lambda folder, zone: recording.RecordingReader(folder, zone=zone),
+        lambda source, options: recording.RecordingReader(source, zone=options.zone),
         recording.RecordingReader.looked_for,
     ),
     "kuri": Format(
         kuri.looks_like,
-        lambda folder, zone: kuri.KuriReader(folder, zone=zone),
+        lambda source, options: kuri.KuriReader(source, zone=options.zone),
         kuri.KuriReader.looked_for,
     ),
     "posed": Format(
         posed.looks_like,
-        lambda folder, zone: posed.PosedReader(folder, zone=zone),
+        lambda source, options: posed.PosedReader(source, zone=options.zone),
         posed.PosedReader.looked_for,
     ),
+    "tum": Format(tum.looks_like, tum.TumReader, tum.TumReader.looked_for, tum.OPTIONS),
 }
 
 
-def open_source(path: Path, *, format: str | None = None, zone: str | None = None) -> Reader:  # noqa: A002
-    """Return the reader of the recording at `path`.
+def open_source(
+    path: Path,
+    *,
+    format: str | None = None,  # noqa: A002
+    zone: str | None = None,
+    options: Mapping[str, str] | None = None,
+) -> Reader:
+    """Return the reader of the recording at `path`, a folder or a file.
 
     format: a name in FORMATS, None to look. zone: an IANA name that replaces the recording's own.
-    Raises BadInput for a path that is no folder, a format that is not known, a folder that is none
-    of the known kinds (the message lists what was looked for), and an unknown zone.
+    options: what the person tells the reader, by name. Raises BadInput for a path that is not
+    there, a format or an option that is not known, a source that is none of the known kinds (the
+    message lists what was looked for), and an unknown zone.
     """
+    name = format_of(path, format)
+    kind = FORMATS[name]
+    chosen = Options(path, options, known=kind.options, zone=zone, reader=f"the reader of {name!r}")
+    reader = kind.reader(path, chosen)
+    named, site = chosen.text("name"), chosen.text("site")
+    if named is not None:
+        reader.facts = replace(reader.facts, name=parsing.clean_text(named))
+    if site is not None:
+        reader.facts = replace(reader.facts, site=parsing.clean_text(site))
+    return reader
+
+
+def format_of(path: Path, format: str | None = None) -> str:  # noqa: A002
+    """Return the name in FORMATS of what is at `path`; BadInput as `open_source`."""
     if format is not None and format not in FORMATS:
-        raise BadInput(f"unknown format {format!r}; there are {', '.join(FORMATS)}")
-    if not path.is_dir():
-        found = "is not a folder" if path.exists() else "does not exist"
-        raise BadInput(f"{path} {found}; a recording is a folder with {_looked_for(format)}")
+        near = difflib.get_close_matches(format, FORMATS, n=1)
+        hint = f" Did you mean {near[0]}?" if near else ""
+        raise BadInput(f"unknown format {format!r}; there are {', '.join(FORMATS)}.{hint}")
+    if "\0" in str(path) or not path.exists():
+        raise BadInput(f"{path} does not exist; a recording is {_looked_for(format)}")
     for name, kind in FORMATS.items():
         if format in (None, name) and kind.looks_like(path):
-            return kind.reader(path, zone)
+            return name
+    if format is not None:
+        raise BadInput(f"{path} has not what {format!r} looks for: {_looked_for(format)}")
     raise BadInput(f"{path} is no recording that can be read; looked for {_looked_for(format)}")
 
 

@@ -98,3 +98,22 @@ def test_a_keyframe_is_made_smaller_only() -> None:
     assert small is not None
     assert small.shape == (25, 50, 3)
     assert images.decode(images.encode(pixels, 500, 80)).shape == (100, 200, 3)
+
+
+@pytest.mark.parametrize("encoded", [jpeg(9, 80, 20), depth_png(1.0, 80, 20)])
+def test_a_size_is_read_from_the_header(encoded: bytes) -> None:
+    assert images.size(encoded) == (80, 20)
+    with pytest.raises(BadInput, match="cut off"):
+        images.size(encoded[:-20])
+
+
+def test_a_depth_picture_has_its_own_scale() -> None:
+    assert images.decode_depth(depth_png(1.5), 5000.0)[0, 0] == pytest.approx(0.3)
+
+
+def test_a_picture_that_would_fill_the_memory_is_not_decoded() -> None:
+    wide = bytearray(depth_png(1.0))
+    wide[16:20] = (1_000_000).to_bytes(4, "big")
+    for read in (images.decode, images.decode_depth, images.size):
+        with pytest.raises(BadInput, match="too large to decode: 1000000 x 48"):
+            read(bytes(wide))

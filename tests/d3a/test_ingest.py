@@ -11,7 +11,7 @@ import pytest
 from d3a.ingest import BACKWARDS, DUPLICATE, ingest
 from d3a.model import BadInput, Detection, Frame, Pose
 from d3a.parameters import DEFAULT, PAPER, Parameters
-from d3a.preparation import BROKEN_DEPTH, BROKEN_PICTURE, OUTSIDE, WEAK
+from d3a.preparation import BROKEN_DEPTH, BROKEN_PICTURE, OTHER_CAMERA, OUTSIDE, WEAK
 from d3a.readers.opening import open_source
 from d3a.store.base import Batch, TaughtName
 from tests.worlds.oracle import OracleStore
@@ -92,6 +92,15 @@ def test_broken_pictures_are_counted_and_the_detections_kept(tmp_path: Path) -> 
     assert summary.skipped.examples[BROKEN_PICTURE][0].startswith("000001 (")
     assert dict(store.recordings()[0].skipped) == summary.skipped.counts
     assert store.check() == []
+
+
+def test_a_picture_that_the_camera_did_not_take_goes_without_it(tmp_path: Path) -> None:
+    folder = pictured(tmp_path / "r", 3)
+    (folder / "images/1.jpg").write_bytes(jpeg(40, 80, 60))
+    store = OracleStore()
+    summary = ingest(open_source(folder), store, DEFAULT)
+    assert summary.skipped.counts == {OTHER_CAMERA: 1, BROKEN_DEPTH: 1}
+    assert summary.detections == 3
 
 
 def test_boxes_are_cut_or_left_out_and_weak_ones_too(tmp_path: Path) -> None:

@@ -65,7 +65,7 @@ def test_a_wrong_path_format_or_zone_is_bad_input(tmp_path: Path) -> None:
     with pytest.raises(BadInput, match="does not exist"):
         open_source(tmp_path / "none")
     (tmp_path / "file").write_text("x")
-    with pytest.raises(BadInput, match="not a folder"):
+    with pytest.raises(BadInput, match="no recording that can be read"):
         open_source(tmp_path / "file")
     with pytest.raises(BadInput, match="there are recording, kuri, posed"):
         open_source(tmp_path, format="mp4")
