@@ -227,8 +227,11 @@ def _tells_sightings(query: FormalQuery, term: ObjectTerm) -> bool:
 
 
 def _spreads(query: FormalQuery) -> bool:
-    """Whether a second keyframe of one object and place is a repetition, not an answer."""
-    return query.select == "all" and query.ask in ("whether", "where", "what", "count")
+    """Whether a second keyframe of one object and place is a repetition, not an answer.
+
+    When two things were together is told by every pair before any pair's second moment.
+    """
+    return query.select == "all" and query.ask in ("whether", "where", "what", "count", "when")
 
 
 def _fields(step: Any) -> Json:

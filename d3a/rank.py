@@ -6,6 +6,7 @@ asked one, the detector was right, the relation held. Every factor is kept and t
 
 from __future__ import annotations
 
+import heapq
 import math
 from collections import Counter
 from collections.abc import Callable, Sequence
@@ -21,6 +22,9 @@ UNJUDGED = 0.6
 """A condition that nobody could judge may well not hold."""
 LEAST_OF_BEST = 0.5
 """Time, or variety, decides the order among those at least this likely against the best."""
+
+AS_LIKELY = 0.99
+"""Against the best: nobody is told a difference of less than one in a hundred."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -136,30 +140,90 @@ def _by_score(ranked: Ranked) -> tuple[float, int, str, int]:
     return (-ranked.score, ranked.moment.start_ms, sighting.object_id, sighting.place)
 
 
+def _objects(moment: Moment) -> tuple[str, ...]:
+    return tuple(entry.sighting.object_id for entry in moment.entries)
+
+
 def _places(moment: Moment) -> tuple[tuple[str, int], ...]:
     return tuple(entry.sighting.stay for entry in moment.entries)
 
 
 def _spread(scored: Sequence[Ranked]) -> list[Ranked]:
-    """Return each object at each place once before any twice, among those about as likely.
+    """Return what shows something new before what repeats, among those about as likely.
 
     A repeat is not told as likelier than what stands before it, so that the list stays by score.
     """
     if not scored:
         return []
     least = scored[0].score * LEAST_OF_BEST
+    likely = [one for one in scored if one.score >= least]
     out: list[Ranked] = []
-    for likely in (True, False):
-        rounds: dict[int, list[Ranked]] = {}
-        times: Counter[tuple[tuple[str, int], ...]] = Counter()
-        for one in scored:
-            if (one.score >= least) is likely:
-                key = _places(one.moment)
-                rounds.setdefault(times[key], []).append(one)
-                times[key] += 1
-        for number in sorted(rounds):
-            ceiling = out[-1].score if out else 1.0
-            out += [_at_most(one, ceiling) for one in rounds[number]]
+    for group in (likely, scored[len(likely) :]):
+        for one in _new_first(group):
+            out.append(_at_most(one, out[-1].score if out else 1.0))
+    return out
+
+
+def _new_first(scored: Sequence[Ranked]) -> list[Ranked]:
+    """Return things not shown before first, then their other places, then the rest.
+
+    Several things in a relation are new as a pair: first pictures that show pairs not shown
+    before, each picture once; then every pair by a moment of its own; then its places.
+    """
+    waiting = list(scored)
+    out: list[Ranked] = []
+    if any(len(one.moment.entries) > 1 for one in waiting):
+        out = _covering(waiting)
+        chosen = {id(one) for one in out}
+        waiting = [one for one in waiting if id(one) not in chosen]
+    for key_of in (_objects, _places):
+        seen = {key_of(one.moment) for one in out}
+        again: list[Ranked] = []
+        for one in waiting:
+            key = key_of(one.moment)
+            (again if key in seen else out).append(one)
+            seen.add(key)
+        waiting = again
+    rounds: dict[int, list[Ranked]] = {}
+    times: Counter[tuple[tuple[str, int], ...]] = Counter()
+    for one in waiting:
+        key = _places(one.moment)
+        rounds.setdefault(times[key], []).append(one)
+        times[key] += 1
+    return out + [one for number in sorted(rounds) for one in rounds[number]]
+
+
+def _covering(scored: Sequence[Ranked]) -> list[Ranked]:
+    """Return a moment of each picture that shows pairs of things that none before it shows.
+
+    At each turn the one whose new pairs have the most score in sum, the first of them among
+    those with a moment as likely as the best; of each its likeliest new pair. scored: best first.
+    """
+    pairs: dict[str, dict[tuple[str, ...], Ranked]] = {}
+    for one in scored:
+        frame = one.moment.figure.sighting.frame
+        pairs.setdefault(frame, {}).setdefault(_objects(one.moment), one)
+    least = scored[0].score * AS_LIKELY
+    likeliest = {one.moment.figure.sighting.frame for one in scored if one.score >= least}
+    out: list[Ranked] = []
+    done: set[tuple[str, ...]] = set()
+
+    def worth(frame: str) -> float:
+        return -sum(one.score for key, one in pairs[frame].items() if key not in done)
+
+    waiting = [(worth(frame), number, frame) for number, frame in enumerate(pairs)]
+    first = min(turn for turn in waiting if turn[-1] in likeliest)
+    waiting[waiting.index(first)] = (-math.inf, *first[1:])
+    heapq.heapify(waiting)
+    while waiting:
+        _, number, frame = heapq.heappop(waiting)
+        turn = (worth(frame), number, frame)
+        new = [key for key in pairs[frame] if key not in done]
+        if out and new and waiting and turn > waiting[0]:
+            heapq.heappush(waiting, turn)  # what it showed was shown meanwhile
+        elif new:
+            out.append(pairs[frame][new[0]])
+            done.update(new)
     return out
 
 

@@ -178,8 +178,9 @@ class Measure:
 class Rank:
     """Order the moments by probability of correctness, or by time where the question says so.
 
-    spread: each object at each place once before any twice, so that near-duplicates do not fill
-    the list. vars: more than one where several objects are asked for at once.
+    spread: each object once before its other places, and those before any place twice; pictures
+    of several pairs before those of one, so that near-duplicates do not fill the list.
+    vars: more than one where several objects are asked for at once.
     at: the moment asked for; what was seen nearest to it comes first.
     """
 

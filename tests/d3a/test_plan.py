@@ -161,7 +161,7 @@ def test_the_paper_answers_together_by_the_union() -> None:
     steps = plan(query, parameters=PAPER).steps
     assert Unite("together", ("x", "y")) in steps
     assert not any(isinstance(step, Relate) for step in steps)
-    assert Rank(("x", "y"), "all", spread=False) in steps
+    assert Rank(("x", "y"), "all", spread=True) in steps
     beside = replace(query, relation=Relation("near"))
     assert plan(beside, parameters=PAPER) == plan(beside)
     apart = replace(query, negated=True)  # a union has no opposite
