@@ -55,7 +55,6 @@ def command(
     """
     settings = settings_of(context)
     from assistant.asking import ask
-    from assistant.batch import failed
 
     text = well_formed(" ".join(question))
     try:
@@ -75,6 +74,8 @@ def command(
                 _save(store, answer, save, quiet=settings.quiet)
     except Failure as failure:
         if as_json and failure.exit_code == ExitCode.STORE:
+            from assistant.batch import failed
+
             _print(failed(text, failure.format_message()))
         raise
     status = OF_STATUS[answer.status]

@@ -28,6 +28,7 @@ from typing import Any
 import click
 
 from grammar import QuestionError, parse
+from tests.bench import processes
 
 NOW = datetime.fromisoformat("2020-01-01T18:00:00-05:00")
 NOUNS = [
@@ -83,7 +84,7 @@ FRESH = (
     "from datetime import datetime\n"
     "grammar.parse('where did you see the pink cup between 1:00pm and 4:00pm on 1st Jan, 2020?',"
     " now=datetime.fromisoformat('2020-01-01T18:00:00-05:00'))\n"
-    "print((time.perf_counter() - began) * 1e3, time.process_time() * 1e3)\n"
+    "print((time.perf_counter() - began) * 1e3)\n"
 )
 
 
@@ -138,20 +139,26 @@ def outcome(text: str, now: datetime = NOW) -> dict[str, Any]:
         return error.to_json()
 
 
-def fresh(runs: int) -> str:
-    """Return the time of import and first parse in fresh processes."""
-    wall_ms, cpu_ms = [], []
-    for _ in range(runs):
-        done = subprocess.run(
-            [sys.executable, "-c", FRESH], capture_output=True, text=True, check=True
-        )
-        wall, cpu = map(float, done.stdout.split())
-        wall_ms.append(wall)
-        cpu_ms.append(cpu)
-    return (
-        f"{'import and first parse, fresh':34s} wall median {statistics.median(wall_ms):.0f} best "
-        f"{min(wall_ms):.0f} ms  cpu with the interpreter median {statistics.median(cpu_ms):.0f} ms"
-    )
+def fresh(runs: int) -> Iterator[str]:
+    """Yield the time of import and first parse in fresh processes, beside one that does nothing."""
+    first, empty = [sys.executable, "-c", FRESH], [sys.executable, "-c", "pass"]
+    with processes.with_bytecode() as kept:
+        for name, environment in (
+            ("import and first parse, fresh", kept),
+            ("  where no bytecode is kept", processes.without_bytecode()),
+        ):
+            processes.run(first, environment)
+            pairs = [
+                (processes.run(first, environment), processes.run(empty, environment))
+                for _ in range(runs)
+            ]
+            inside = [float(done.stdout) for done, _ in pairs]
+            wall = [done.wall_ms for done, _ in pairs]
+            beyond = [done.processor_ms - nothing.processor_ms for done, nothing in pairs]
+            yield (
+                f"{name:34s} inside {processes.summary(inside)}  process "
+                f"{processes.summary(wall)}  cpu beyond an empty one {processes.summary(beyond)}"
+            )
 
 
 def salad(draw: random.Random, words: list[str]) -> str:
@@ -321,7 +328,7 @@ def main() -> None:
     options = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     options.add_argument("--sentences", type=int, default=10_000)
     options.add_argument("--fuzz", type=int, default=20_000)
-    options.add_argument("--runs", type=int, default=7)
+    options.add_argument("--runs", type=int, default=20)
     options.add_argument("--seed", type=int, default=1)
     options.add_argument("--lines", action="store_true", help="answer standard input instead")
     options.add_argument("--now", type=datetime.fromisoformat, default=NOW)
@@ -336,7 +343,8 @@ def main() -> None:
     understood = sum("error" not in outcome(text) for text in texts)
     click.echo(f"{'drawn sentences understood':34s} {understood} of {len(texts)}")
     click.echo(timed(outcome, texts).line(f"parse, {len(texts)} sentences"))
-    click.echo(fresh(chosen.runs))
+    for line in fresh(chosen.runs):
+        click.echo(line)
     for line in neighbours(texts):
         click.echo(line)
     click.echo(fuzz(chosen.fuzz, draw))
