@@ -21,6 +21,8 @@ from d3a.store.base import Store, StoreError
 
 HISTORY = "corrections"
 """Key of the store's meta with the history; what a correction replaced has keys of its own."""
+SAID = "said"
+"""Key of the store's meta that counts what people said: equal counts, equal histories."""
 CHUNK = 700_000
 """Characters of a part: a store keeps a million bytes under one key."""
 Kind = Literal["merge", "split", "teach", "place", "map"]
@@ -77,8 +79,8 @@ class Correction:
 class History:
     """The corrections that hold, oldest first.
 
-    serial: the last number that was given. seen: the last serial that the association has taken
-    in. undone: corrections that it had taken in and that were undone since.
+    serial: the last number that was given. seen: the serial that an ingest which is under way has
+    taken in, 0 where none is. undone: what it had taken in and was undone since, for it to learn.
     """
 
     serial: int = 0
@@ -90,8 +92,11 @@ class History:
     def read(cls, store: Store) -> History:
         """Return the store's history, without the records of the corrections."""
         value = store.meta(HISTORY)
-        if value is None:
-            return cls()
+        return cls() if value is None else cls.of_json(value)
+
+    @classmethod
+    def of_json(cls, value: Json) -> History:
+        """Return what `to_json` wrote."""
         entries, undone = (
             tuple(Correction.of_header(each) for each in value[name])
             for name in ("entries", "undone")
@@ -107,10 +112,15 @@ class History:
             "undone": [each.header() for each in self.undone],
         }
 
-    def news(self) -> tuple[Correction, ...]:
-        """Return what the association has not taken in: the undone, then what is new."""
-        fresh = (each for each in self.entries if each.number > self.seen)
-        return (*self.undone, *fresh)
+    def moving(self) -> frozenset[int]:
+        """Return the numbers of the corrections that change what an ingest holds in memory."""
+        return frozenset(each.number for each in self.entries if each.kind in ("merge", "split"))
+
+    def news(self, known: frozenset[int]) -> tuple[Correction, ...]:
+        """Return what one who knows some corrections must learn: the undone, then the new."""
+        undone = (each for each in self.undone if each.number in known)
+        moving = self.moving() - known
+        return (*undone, *(each for each in self.entries if each.number in moving))
 
     def pictures(self) -> set[str]:
         """Return pictures that only an undo refers to."""

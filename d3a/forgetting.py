@@ -8,11 +8,12 @@ memory keeps of it is that something was forgotten, so that no answer says "neve
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from d3a.emptied import Emptied, emptied
 from d3a.forgotten import FORGOTTEN, UNSCRUBBED, Removal, Selection, removal_of
+from d3a.forgotten_history import history_without
 from d3a.forgotten_pictures import Pictures, pictures_of
 from d3a.ledger import encounter_key
 from d3a.match import Lexicon
@@ -82,8 +83,11 @@ def plan_forgetting(store: Store, selection: Selection) -> ForgetPlan:
         raise BadInput("nothing says what to forget: name a thing, a place, a time or people")
     memory = emptied(store)
     removal = removal_of(memory.ledger, store, selection)
-    pictures = pictures_of(memory, store, removal, selection.time)
-    batch = _batch(store, memory, removal, pictures)
+    words = removal.vanished_categories(store, memory.ledger.batch_fields()["removed_objects"])
+    said = history_without(store, removal.objects, removal.gone_objects, words)
+    pictures = pictures_of(memory, store, removal, said, selection.time)
+    batch = _batch(store, memory, removal, pictures, words)
+    batch = replace(batch, meta={**batch.meta, **said.meta})
     sizes = [len(picture.jpeg) for key in pictures.gone if (picture := store.keyframe(key))]
     looks = [r.embedding.nbytes for r in removal.gone_objects.values() if r.embedding is not None]
     return ForgetPlan(
@@ -130,7 +134,13 @@ def people(store: Store, lexicon: Lexicon) -> frozenset[str]:
     )
 
 
-def _batch(store: Store, memory: Emptied, removal: Removal, pictures: Pictures) -> Batch:
+def _batch(
+    store: Store,
+    memory: Emptied,
+    removal: Removal,
+    pictures: Pictures,
+    gone_categories: frozenset[str],
+) -> Batch:
     """Return the flushed memory's writes, less what goes, with the removals."""
     written = memory.ledger.batch_fields()
     objects = {r.object_id: r for r in written["objects"]} | removal.changed_objects
@@ -138,7 +148,6 @@ def _batch(store: Store, memory: Emptied, removal: Removal, pictures: Pictures) 
     sightings = {(*r.stay, r.start_ms): r for r in written["sightings"]}
     sightings = sightings | removal.changed_sightings | pictures.sightings
     encounters = {encounter_key(r): r for r in written["encounters"]} | pictures.encounters
-    gone_categories = removal.vanished_categories(store, written["removed_objects"])
     meta: Json = {FORGOTTEN: True, UNSCRUBBED: True}
     if gone_categories:
         known = store.meta("categories") or ()

@@ -190,13 +190,15 @@ def _lessened(
         if stay.key in removal.gone_stays:
             continue
         chosen = stay.key in removal.spans or stay.key in unsought
-        if left[stay.key] and (chosen or (stay.moved_from and stay.moved_from[0] in gone)):
+        came_from_gone = stay.moved_from is not None and stay.moved_from[0] in gone
+        if left[stay.key] and (chosen or came_from_gone):
             time = selection.time if chosen else Slice()
-            lessened = lessened_stay(stay, left[stay.key], time, gone)
-            removal.changed_stays[stay.key] = lessened
-            after.append(lessened)
-        else:
-            after.append(stay)
+            stay = lessened_stay(stay, left[stay.key], time, gone)
+            removal.changed_stays[stay.key] = stay
+        elif stay.key in unsought:
+            stay = replace(stay, last_absent_ms=None)
+            removal.changed_stays[stay.key] = stay
+        after.append(stay)
     return after
 
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 from d3a.cutting import Slice
 from d3a.emptied import Emptied
 from d3a.forgotten import Removal, Span
+from d3a.forgotten_history import Said
 from d3a.ledger import EncounterKey, Ledger, SightingKey, encounter_key
 from d3a.store.base import Encounter, Sighting, Store
 
@@ -27,7 +28,9 @@ class Pictures:
     encounters: dict[EncounterKey, Encounter] = field(default_factory=dict)
 
 
-def pictures_of(memory: Emptied, store: Store, removal: Removal, time: Slice) -> Pictures:
+def pictures_of(
+    memory: Emptied, store: Store, removal: Removal, said: Said, time: Slice
+) -> Pictures:
     """Return the pictures that go with a removal.
 
     A picture goes when what is forgotten was found in it: it is the keyframe of a sighting or an
@@ -49,11 +52,24 @@ def pictures_of(memory: Emptied, store: Store, removal: Removal, time: Slice) ->
         near = any(_within(at, spans.get(name, ())) for name in _things(record))
         if record.image is not None and near and time.holds(at):
             pictures.gone.add(record.image)
-    named = _unlink(pictures, memory.ledger, removal) if named_by_gone or memory.was_open else set()
+    asked = named_by_gone or pictures.gone or memory.was_open or said.meta
+    named = _unlink(pictures, memory.ledger, removal) if asked else set()
     waited = set(store.keyframe_keys()) if memory.was_open else named_by_gone
-    pictures.gone |= waited - named  # those that only what is forgotten referred to
+    undoable = _undoable(moments, removal, said, time)
+    waited |= said.lost_pictures | (said.kept_pictures - undoable)
+    pictures.gone |= waited - named - undoable  # only what is forgotten referred to them
     pictures.gone &= set(store.keyframe_keys())
     return pictures
+
+
+def _undoable(moments: _Moments, removal: Removal, said: Said, time: Slice) -> set[str]:
+    """Return the pictures that an undo still needs, and that do not show what is forgotten."""
+    spans = [span for each in removal.spans.values() for span in each]
+    return {
+        image
+        for image in said.kept_pictures
+        if not (time.holds(moments.of(image)) and _within(moments.of(image), spans))
+    }
 
 
 class _Moments:

@@ -22,6 +22,7 @@ from d3a.parameters import PROFILES, Parameters
 from d3a.retention import plan_retention, retention_of, seconds_of, set_retention
 from d3a.store import open_store
 from d3a.store.base import Batch, Keyframe, Store, TaughtName
+from d3a.teaching import history, merge, teach_name
 from tests.worlds import histories, small_home
 from tests.worlds.oracle import OracleStore
 from tests.worlds.rounds import ListReader, Thing, circle, jpeg, rounds
@@ -301,3 +302,23 @@ def _nothing_left(store: Store, selection: Selection) -> bool:
 
 def _triangle(position: tuple[float, float, float] | None) -> bool:
     return position is not None and min(position[:2]) > 0 and position[0] + position[1] < 1
+
+
+def test_what_people_said_of_it_goes_and_no_undo_brings_it_back(tmp_path: Path) -> None:
+    with closing(open_store(str(tmp_path / "lab.db"))) as store:
+        filled(store)
+        (secret,) = ids_of(store, SECRET)
+        (cup,) = ids_of(store, "cup")
+        (bowl,) = ids_of(store, "bowl")
+        teach_name(store, secret, "heirloom", "zoe")
+        teach_name(store, cup, "grail")
+        merge(store, cup, bowl, force=True)
+        forgotten(store, Selection(object_ids=frozenset({secret})))
+        assert [each.kind for each in history(store)] == ["teach", "merge"]
+        assert [each.is_sealed for each in history(store)] == [False, True]
+        assert store.meta("correction:3:0") is None, "it told that the two met the secret thing"
+        files = b"".join(file.read_bytes() for file in sorted(tmp_path.iterdir()))
+        assert b"grail" in files
+        assert b"heirloom" not in files
+        assert b"zoe" not in files
+        assert f'"{secret}"' not in texts(store)
