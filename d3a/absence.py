@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from d3a.frame_offset import FrameOffset
 from d3a.geometry import in_view, project
 from d3a.memory import Known, Memory, Place
-from d3a.model import Json
+from d3a.model import Json, Position
 from d3a.parameters import Parameters
 from d3a.sightings import Metres, Scene
 
@@ -29,12 +29,19 @@ NEAREST_SHARE = 0.1
 """Share of a patch's depths that may be as near as the thing's place without being it."""
 SURE_M = 1.0
 """A place whose position may err by more than this (one sigma) cannot be looked at."""
-SEEN_THROUGH_ODDS = 2.5
-"""Log-odds of one look that saw through a place: poses and shapes err, so not certainty."""
+THROUGH_PRIOR = 6.0
+THROUGH_PRESENT, THROUGH_GONE = 0.08, 0.5
+"""How often a place is seen through while its thing is there (poses and shapes err), and when it
+is not (clutter, a patch as wide as the error), before any was looked at; worth so many looks."""
+THROUGH_LEAST, THROUGH_MOST = 0.3, 2.5
+"""Bounds of the log-odds of one look that saw through a place."""
+AGAIN_M, AGAIN_MS, AGAIN_SHARE = 0.8, 300_000, 0.3
+"""A look in vain from within so much of another, and so soon after it, is mostly the same look:
+what hid the thing from the detector does so still. Its share of a look of its own."""
 FAMILIAR_SHARE, FAMILIAR_M = 0.25, 0.5
 """A viewpoint is one known to show a thing if it is this near to one that did: a share of the
 distance to the thing, or metres if that is more."""
-CHANCE_PRIOR = 3.0
+CHANCE_PRIOR = 2.0
 """Looks that the usual chance of finding a thing again is worth against the thing's own."""
 SIDES_KEPT = 12
 """Viewpoints remembered for a place, the latest."""
@@ -55,6 +62,7 @@ class Glance:
     through: int = 0
     familiar: int = 0
     found: bool = False
+    eye: Position | None = None
 
     def add(self, hidden: bool, through: bool, familiar: bool) -> None:
         """Count a frame."""
@@ -62,6 +70,11 @@ class Glance:
         self.hidden += hidden
         self.through += through
         self.familiar += familiar
+
+    @property
+    def is_through(self) -> bool:
+        """Whether most frames without something before the place show what is behind it."""
+        return 2 * self.through > self.frames - self.hidden
 
 
 class Absence:
@@ -72,7 +85,8 @@ class Absence:
         self._parameters = parameters
         self._glances: dict[tuple[int, int], Glance] = {}
         self._end_ms = 0
-        self._refound, self._relooked = 0, 0
+        self._refound, self._relooked = 0, 0.0
+        self._through = np.array([[THROUGH_PRESENT, 1.0], [THROUGH_GONE, 1.0]]) * THROUGH_PRIOR
 
     def watch(self, scene: Scene, found: list[tuple[Known, Place]], offset: FrameOffset) -> None:
         """Take in a frame: which places it should have shown, and which it did.
@@ -93,14 +107,14 @@ class Absence:
         visible = in_view(seen, scene.camera, parameters.view_range_m, parameters.view_margin)
         shared = np.trace(offset.covariance)
         sigma = np.sqrt((np.trace(positions.spread, axis1=1, axis2=2) + shared) / 3)
+        x, y, z = eye.tolist()
         for row in np.flatnonzero(visible & (sigma <= SURE_M)).tolist():
             thing, place = positions.owners[row]
             glance = self._glance(thing, place)
             u, v, away = float(seen.u[row]), float(seen.v[row]), float(seen.depth_m[row])
-            hidden = through = False
-            if not glance.found:  # else what depth says of it is not asked
-                hidden, through = self._depth(scene, u, v, away, float(sigma[row]))
+            hidden, through = self._depth(scene, u, v, away, float(sigma[row]))
             glance.add(hidden, through, not hidden and _is_familiar(place, eye, away))
+            glance.eye = (x, y, z)
 
     def _depth(
         self, scene: Scene, u: float, v: float, away_m: float, sigma_m: float
@@ -142,43 +156,68 @@ class Absence:
             if glance.found:
                 self._found(glance)
                 continue
-            if 2 * glance.through > glance.frames - glance.hidden:
-                odds = SEEN_THROUGH_ODDS
+            if glance.is_through:
+                odds = self._through_odds()
             elif glance.familiar:
                 odds = -math.log(1 - self._chance(place))
             else:
                 continue
             missed.append(thing)
-            self._missed(glance, odds)
+            self._missed(glance, odds, self._share_of_look(glance))
         self._glances.clear()
         return missed
 
     def _chance(self, place: Place) -> float:
         """Return how likely the thing would have been found, were it there."""
         usual = (self._refound + 2 * self._parameters.detect_chance) / (self._relooked + 2)
-        own = (place.hits + CHANCE_PRIOR * usual) / (place.chances + CHANCE_PRIOR)
+        # Without the look that made it known: had that missed too, nobody would ask.
+        hits, chances = max(0.0, place.hits - 1.0), max(0.0, place.chances - 1.0)
+        own = (hits + CHANCE_PRIOR * usual) / (chances + CHANCE_PRIOR)
         return min(own, 0.95)
+
+    def _share_of_look(self, glance: Glance) -> float:
+        """Return how much a look in vain tells that others from there have not told already."""
+        place, eye = glance.place, glance.eye
+        if eye is None:
+            return 1.0
+        recent = [each for each in place.missed_from if self._end_ms - each[1] < AGAIN_MS]
+        again = any(math.dist(eye, side) < AGAIN_M for side, _ in recent)
+        place.missed_from = recent if again else [*recent, (eye, self._end_ms)]
+        return AGAIN_SHARE if again else 1.0
+
+    def _through_odds(self) -> float:
+        """Return how much likelier a place is seen through when its thing has left."""
+        (there, of), (gone, among) = self._through.tolist()
+        odds = math.log(gone / among) - math.log(there / of)
+        return min(THROUGH_MOST, max(THROUGH_LEAST, odds))
 
     def _found(self, glance: Glance) -> None:
         thing, place = glance.thing, glance.place
         if thing.seen > self._parameters.confirm_sightings and glance.familiar:
             self._refound += 1
             self._relooked += 1
+            if glance.frames > glance.hidden:
+                self._through[0] += (glance.is_through, 1.0)
+        self._through[0] += place.throughs  # it was there all the time
         place.hits += 1
         place.chances += 1
-        place.misses = 0
+        place.misses = place.throughs = 0
+        place.missed_from = []
         place.evidence = 0.0
         if place.last_absent_ms is not None:
             place.last_absent_ms, thing.dirty = None, True
 
-    def _missed(self, glance: Glance, odds: float) -> None:
-        """Count a miss; enough of them say that the place is empty."""
+    def _missed(self, glance: Glance, odds: float, share: float) -> None:
+        """Count a share of a miss; enough of them say that the place is empty."""
         thing, place = glance.thing, glance.place
         if thing.seen > self._parameters.confirm_sightings and place.last_absent_ms is None:
-            self._relooked += 1
-        place.evidence += odds
-        place.chances += 1
+            self._relooked += share
+        elif place.last_absent_ms is not None and glance.frames > glance.hidden:
+            self._through[1] += (glance.is_through, 1.0)
+        place.evidence += share * odds
+        place.chances += share
         place.misses += 1
+        place.throughs += glance.is_through
         if place.evidence >= self._parameters.absent_odds:
             place.last_absent_ms = self._end_ms
             thing.dirty = True
@@ -191,20 +230,23 @@ class Absence:
     def to_state(self) -> Json:
         """Return the look that is going on as JSON."""
         glances = [
-            [*key, g.frames, g.hidden, g.through, g.familiar, g.found]
+            [*key, g.frames, g.hidden, g.through, g.familiar, g.found, g.eye]
             for key, g in self._glances.items()
         ]
         counts = [self._refound, self._relooked]
-        return {"end_ms": self._end_ms, "glances": glances, "again": counts}
+        through = self._through.tolist()
+        return {"end_ms": self._end_ms, "glances": glances, "again": counts, "through": through}
 
     def restore(self, record: Json) -> None:
         """Go on where `to_state` was called; the memory is restored already."""
         self._end_ms = record["end_ms"]
         self._refound, self._relooked = record["again"]
-        for number, place_number, *counted in record["glances"]:
+        self._through = np.array(record["through"])
+        for number, place_number, *counted, eye in record["glances"]:
             thing = self._memory.things[number]
-            place = thing.place(place_number)
-            self._glances[number, place_number] = Glance(thing, place, *counted)
+            glance = Glance(thing, thing.place(place_number), *counted)
+            glance.eye = None if eye is None else (eye[0], eye[1], eye[2])
+            self._glances[number, place_number] = glance
 
 
 def _remember_side(place: Place, eye: Floats) -> None:

@@ -29,8 +29,9 @@ class Place:
     """One location of a thing. row: in the table of positions, -1 where the position is unknown.
 
     evidence: log-odds that it has left, from looks since it was last seen. hits of chances: looks
-    that found it of looks that could have; misses: looks in a row that did not. seen_from: where
-    the camera was when it was seen.
+    that found it of looks that could have; misses: looks in a row that did not, throughs: those of
+    them that saw what is behind. seen_from: where the camera was when it was seen; missed_from:
+    where it was lately, and when, when it was not.
     """
 
     number: int
@@ -43,9 +44,11 @@ class Place:
     open: Interval | None = None
     evidence: float = 0.0
     hits: int = 0
-    chances: int = 0
+    chances: float = 0.0
     misses: int = 0
+    throughs: int = 0
     seen_from: list[Position] = field(default_factory=list)
+    missed_from: list[tuple[Position, int]] = field(default_factory=list)
     row: int = -1
 
 

@@ -83,5 +83,6 @@ def _place(record: Json) -> Place:
     moved = plain["moved_from"]
     plain["moved_from"] = None if moved is None else tuple(moved)
     plain["seen_from"] = [(x, y, z) for x, y, z in record["seen_from"]]
+    plain["missed_from"] = [((x, y, z), time_ms) for (x, y, z), time_ms in record["missed_from"]]
     opened = record["open"]
     return Place(**plain, open=None if opened is None else Interval.from_json(opened))

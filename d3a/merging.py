@@ -150,7 +150,7 @@ def _join(kept: Known, gone: Known, memory: Memory, parameters: Parameters) -> N
         place.last_absent_ms = None
     place.hits += lost.hits
     place.chances = max(place.chances, place.hits)
-    place.misses, place.evidence = 0, 0.0
+    place.misses, place.throughs, place.evidence, place.missed_from = 0, 0, 0.0, []
     place.seen_from = [*place.seen_from, *lost.seen_from]
     kept.met |= gone.met
     kept.dirty = True

@@ -233,6 +233,29 @@ def test_a_place_that_is_seen_through_was_left() -> None:
     assert stay.last_absent_ms >= START_MS + 14 * 60_000
 
 
+def test_a_place_that_was_seen_through_though_it_was_there_proves_little() -> None:
+    """Something thin or flat: depth never shows it, and it is found now and then."""
+    thin = Detection("cup", 0.9, (28, 20, 36, 28), position=(2.0, 0.0, 0.0), embedding=colour(1))
+    shown = [n < 6 or n % 8 == 0 for n in range(80)] + [False] * 12
+    frames = [looking(n, *([thin] if is_shown else []), away_m=4.0) for n, is_shown in
+              enumerate(shown)]  # fmt: skip
+    (stay,) = filled(frames).stays()
+    assert stay.seen == 12
+    assert stay.last_absent_ms is None
+
+
+@pytest.mark.parametrize(("apart_ms", "is_gone"), [(60_000, True), (500, False)])
+def test_looks_from_one_side_in_a_short_time_are_hardly_more_than_one(
+    apart_ms: int, is_gone: bool
+) -> None:
+    there = Detection("cup", 0.9, (28, 20, 36, 28), embedding=colour(1))
+    frames = [looking(n, there, away_m=2.0) for n in range(12)]
+    empty = [looking(n, away_m=4.0) for n in range(12, 20)]
+    frames += [replace(f, time_ms=empty[0].time_ms + n * apart_ms) for n, f in enumerate(empty)]
+    (stay,) = filled(frames).stays()
+    assert (stay.last_absent_ms is not None) == is_gone
+
+
 def test_a_place_that_is_hidden_proves_nothing() -> None:
     there = Detection("cup", 0.9, (28, 20, 36, 28), embedding=colour(1))
     frames = [looking(n, there, away_m=2.0) for n in range(12)]
