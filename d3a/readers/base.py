@@ -55,6 +55,13 @@ class Skipped:
         if len(named) < 3:
             named.append(where)
 
+    def join(self, other: Skipped) -> None:
+        """Count what another has counted as well."""
+        for reason, count in other.counts.items():
+            self.counts[reason] = self.counts.get(reason, 0) + count
+            named = self.examples.setdefault(reason, [])
+            named += other.examples.get(reason, [])[: 3 - len(named)]
+
 
 class Reader(Protocol):
     """A recording: an iterator of Frame with the facts around it.

@@ -217,16 +217,16 @@ def _from_record(
 def _from_table(
     path: Path, frames: FrameNames, layout: str | None, skipped: Skipped
 ) -> parsing.Rows:
-    aliases = {"frame": (*FRAME_NAMES, *PICTURE_NAMES), **DETECTION_NAMES}
+    aliases = {"frame": FRAME_NAMES, "picture": PICTURE_NAMES, **DETECTION_NAMES}
     table = read_table(path, aliases, (), skipped)
-    if "frame" not in table.columns:
+    if not table.columns & {"frame", "picture"}:
         raise BadInput(f"{path.name} lacks a column that names the frame or its picture")
     columns = DetectionColumns.of(table.columns, layout, path.name)
     rows = parsing.Rows()
     for count, (number, row) in enumerate(table.rows):
         where = f"{path.name}:{number}"
         try:
-            frame = parsing.frame_name(row.get("frame"))
+            frame = parsing.frame_name(row.get("frame") or row.get("picture"))
             rows.add(frames.find(frame), columns.detection(row, count, skipped, where))
         except BadInput as error:
             skipped.add(parsing.BROKEN_DETECTION, f"{where} ({error})")

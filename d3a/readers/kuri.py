@@ -28,8 +28,11 @@ own description it is 1.6 m off in the median and up to 9.7 m. Per axis, with th
 
 
 def looks_like(folder: Path) -> bool:
-    """Say whether the folder has this format's table and pictures."""
-    return (folder / TABLE).is_file() and (folder / PICTURES).is_dir()
+    """Say whether the folder has pictures and a table with this format's columns."""
+    if not (folder / TABLE).is_file() or not (folder / PICTURES).is_dir():
+        return False
+    with (folder / TABLE).open(encoding="utf-8", errors="replace") as lines:
+        return set(lines.readline().strip().split(",")) >= COLUMNS
 
 
 class KuriReader:

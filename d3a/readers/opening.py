@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from d3a.model import BadInput
-from d3a.readers import kuri, parsing, posed, recording, tum
+from d3a.readers import csv_table, kuri, parsing, pictures, posed, recording, tum
 from d3a.readers.base import Reader
 from d3a.readers.options import Options
 
@@ -17,14 +17,16 @@ from d3a.readers.options import Options
 class Format:
     """A kind of recording: how to know it, what reads it, and which options that takes.
 
-    looks_like: cheap, and true of one format only. options: name -> what it is, besides those of
-    every reader; a name that ends in a dot takes any key after it.
+    looks_like: cheap; of those that say yes the first in FORMATS reads. options: name -> what it
+    is, besides those of every reader; a name that ends in a dot takes any key after it. may_be:
+    what is asked instead of looks_like where a person names the format.
     """
 
     looks_like: Callable[[Path], bool]
     reader: Callable[[Path, Options], Reader]
     looked_for: str
     options: Mapping[str, str] = field(default_factory=dict)
+    may_be: Callable[[Path], bool] | None = None
 
 
 FORMATS: dict[str, Format] = {
@@ -44,6 +46,19 @@ FORMATS: dict[str, Format] = {
         posed.PosedReader.looked_for,
     ),
     "tum": Format(tum.looks_like, tum.TumReader, tum.TumReader.looked_for, tum.OPTIONS),
+    "csv": Format(
+        csv_table.looks_like,
+        csv_table.CsvReader,
+        csv_table.CsvReader.looked_for,
+        csv_table.OPTIONS,
+        lambda source: csv_table.table_of(source).is_file(),
+    ),
+    "pictures": Format(
+        pictures.looks_like,
+        pictures.PicturesReader,
+        pictures.PicturesReader.looked_for,
+        pictures.OPTIONS,
+    ),
 }
 
 
@@ -81,11 +96,13 @@ def format_of(path: Path, format: str | None = None) -> str:  # noqa: A002
         raise BadInput(f"unknown format {format!r}; there are {', '.join(FORMATS)}.{hint}")
     if "\0" in str(path) or not path.exists():
         raise BadInput(f"{path} does not exist; a recording is {_looked_for(format)}")
-    for name, kind in FORMATS.items():
-        if format in (None, name) and kind.looks_like(path):
-            return name
     if format is not None:
+        if (FORMATS[format].may_be or FORMATS[format].looks_like)(path):
+            return format
         raise BadInput(f"{path} has not what {format!r} looks for: {_looked_for(format)}")
+    for name, kind in FORMATS.items():
+        if kind.looks_like(path):
+            return name
     raise BadInput(f"{path} is no recording that can be read; looked for {_looked_for(format)}")
 
 

@@ -17,13 +17,14 @@ from d3a.readers.tables import Row, read_table
 BROKEN_POSE = "broken pose"
 BROKEN_TIME = "broken time"
 TIME_NAMES = ("timestamp", "stamp", "seconds", "datetime", "date_time", "t", "time_ms", "time_ns")
-FRAME_NAMES = ("frame_id", "frame_number", "frame_name", "index", "image_id", "id")
+FRAME_NAMES = ("frame_id", "frame_number", "frame_name", "image_id")
 PICTURE_NAMES = ("file", "file_name", "filename", "image", "picture", "path", "color", "rgb")
 POSE_FIELDS = ("x", "y", "z", "qx", "qy", "qz", "qw")
 _POSE_NAMES = {
     **{axis: (f"t{axis}", f"p{axis}", f"pose_{axis}", f"position_{axis}") for axis in "xyz"},
     **{q: (f"pose_{q}", f"orientation_{q[1]}", f"rotation_{q[1]}") for q in POSE_FIELDS[3:]},
 }
+_NAMES = {"frame": (*FRAME_NAMES, "id", "index", "name"), "picture": PICTURE_NAMES}
 
 
 def read_times(path: Path, clock: Clock, skipped: Skipped) -> dict[str, int]:
@@ -32,17 +33,21 @@ def read_times(path: Path, clock: Clock, skipped: Skipped) -> dict[str, int]:
     Columns: a time, and a frame or a picture; without names a line is a time and then the picture,
     as in TUM's lists. Broken lines are counted.
     """
-    aliases = {"time": TIME_NAMES, "name": ("frame", *FRAME_NAMES, *PICTURE_NAMES)}
-    table = read_table(path, aliases, ("time", "name"), skipped)
-    if not table.columns >= {"time", "name"}:
+    table = read_table(path, {"time": TIME_NAMES, **_NAMES}, ("time", "picture"), skipped)
+    if "time" not in table.columns or not table.columns & _NAMES.keys():
         raise BadInput(f"{path.name} needs two columns: a time, and the picture or frame it is of")
     times: dict[str, int] = {}
     for number, row in table.rows:
         try:
-            times.setdefault(_needed(row, "name"), clock.ms(_needed(row, "time")))
+            times.setdefault(_name(row), clock.ms(_needed(row, "time")))
         except BadInput as error:
             skipped.add(BROKEN_TIME, f"{path.name}:{number} ({error})")
     return times
+
+
+def _name(row: Row) -> str:
+    """Return what names the frame: its picture's path, else its own name."""
+    return row["picture"] if "picture" in row else _needed(row, "frame")
 
 
 def _needed(row: Row, name: str) -> str:
@@ -85,14 +90,10 @@ def read_track(path: Path, clock: Clock, skipped: Skipped) -> Track:
     Lines may be in any order. Broken ones are counted; a table without any column for the place or
     the turn is BadInput.
     """
-    aliases = {
-        "time": TIME_NAMES,
-        "name": ("frame", *FRAME_NAMES, *PICTURE_NAMES),
-        **_POSE_NAMES,
-    }
+    aliases = {"time": TIME_NAMES, **_NAMES, **_POSE_NAMES}
     table = read_table(path, aliases, ("time", *POSE_FIELDS), skipped)
     lacking = [name for name in POSE_FIELDS if name not in table.columns]
-    if lacking or not table.columns & {"time", "name"}:
+    if lacking or not table.columns & {"time", *_NAMES}:
         raise BadInput(
             f"{path.name} lacks {', '.join(lacking) or 'a time or a frame'}: a pose is a time (or "
             "a frame) and x y z qx qy qz qw, of the camera's optical centre"
@@ -105,7 +106,7 @@ def read_track(path: Path, clock: Clock, skipped: Skipped) -> Track:
             if "time" in row:
                 timed.append((clock.ms(row["time"]), pose))
             else:
-                named.setdefault(_needed(row, "name"), pose)
+                named.setdefault(_name(row), pose)
         except BadInput as error:
             skipped.add(BROKEN_POSE, f"{path.name}:{number} ({error})")
     timed.sort(key=lambda each: each[0])

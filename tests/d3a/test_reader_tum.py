@@ -94,8 +94,11 @@ def test_without_intrinsics_poses_or_depth_it_still_reads(tmp_path: Path) -> Non
     assert summary.frames == 8
     assert all(stay.position is not None for stay in store.stays())
     (folder / "groundtruth.txt").unlink()
+    bare = open_source(folder)
+    assert type(bare).__name__ == "PicturesReader"
+    assert [frame.pose for frame in bare] == [None] * 8
     with pytest.raises(BadInput, match=r"rgb\.txt with depth\.txt or groundtruth\.txt"):
-        open_source(folder)
+        open_source(folder, format="tum")
 
 
 def wide_png(path: Path) -> None:

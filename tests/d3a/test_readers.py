@@ -124,7 +124,10 @@ def test_a_missing_picture_is_counted_and_the_frame_kept(tmp_path: Path) -> None
 def test_a_table_without_its_columns_is_bad_input(tmp_path: Path) -> None:
     folder = kuri(tmp_path / "k", GOOD)
     (folder / "detections.csv").write_text("frame,category\n7,cup\n")
-    with pytest.raises(BadInput, match="lacks the columns loc_x"):
+    with pytest.raises(BadInput, match=r"detections\.csv and images"):
+        open_source(folder, format="kuri")
+    (folder / "detections.csv").write_text(GOOD)
+    with pytest.raises(BadInput, match="no table of their times"):
         open_source(folder)
 
 
