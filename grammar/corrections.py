@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from grammar import numbers
+from grammar import numbers, timespan
 from grammar import timewords as tw
 from grammar.closed import is_open, words_of
 from grammar.sayings import AUXILIARIES, QUESTION_STARTS, QUESTION_WORDS, sections
@@ -66,6 +66,8 @@ def _replaced(before: list[Word], after: list[Word], lexicon: Lexicon) -> list[W
         *QUESTION_WORDS,
     ):
         return after
+    if (timed := _time_replaced(before, after)) is not None:
+        return timed
     same: list[Callable[[str], bool]] = [
         lambda word: word == after[0].text,
         lambda word: (
@@ -77,6 +79,19 @@ def _replaced(before: list[Word], after: list[Word], lexicon: Lexicon) -> list[W
             if alike(before[k].text):
                 return [*before[:k], *after]
     return _head_replaced(before, after)
+
+
+def _time_replaced(before: list[Word], after: list[Word]) -> list[Word] | None:
+    """Put a time in the place of the one said last: yesterday no the day before yesterday."""
+    corrected = timespan.find([w.text for w in after])
+    if not corrected or corrected[0].first != 0:
+        return None
+    said = timespan.find([w.text for w in before])
+    if not said or said[-1].last != len(before):
+        return None
+    if corrected[0].last - corrected[0].first == 1:
+        return None  # monday no tuesday: the word alone is replaced
+    return [*before[: said[-1].first], *after]
 
 
 def _head_replaced(before: list[Word], after: list[Word]) -> list[Word]:

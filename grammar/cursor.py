@@ -48,6 +48,8 @@ class Cursor:
         self.places = by_first(tuple(lexicon.places))
         self.out = Tagged()
         self.room = False
+        self.superlatives = {w.text for w in self.words} & {"closest", "nearest", "closer"}
+        self.several: set[int] = set()
         self.i = 0
 
     # -- looking around ------------------------------------------------------------------------
@@ -60,6 +62,9 @@ class Cursor:
 
     def _emit(self, kind: str, value: object, count: int, at: int | None = None) -> None:
         word = self.words[self.i if at is None else at]
+        last = self._text(self.i + count - 1)
+        if kind == "NOUN" and count and self.lexicon.singular(last) != last:
+            self.several.add(word.start)  # the words where a noun in the plural begins
         self.out.tags.append(Tag(kind, value, word))
         self.i += count
 

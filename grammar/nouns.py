@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TypeAlias
 
 from grammar import adjectives
 from grammar.closed import is_open
@@ -47,6 +48,10 @@ class Attribute:
 
     said: str
     kind: str
+
+
+Described: TypeAlias = tuple[Attribute | Noun, int, int]
+"""What words[first:last] of a noun phrase are."""
 
 
 def _other(said: str) -> Attribute:

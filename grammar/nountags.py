@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from grammar import numbers
+from grammar.clauses import ClauseTagger
 from grammar.closed import is_open, words_of
-from grammar.cursor import DETERMINERS, OWNED, OWNERS, TIME_GAP, Cursor
-from grammar.nouns import Attribute, Noun, Pattern
-from grammar.phrases import phrases, stands_at
+from grammar.cursor import DETERMINERS, OWNED, OWNERS, TIME_GAP
+from grammar.nouns import Attribute, Noun
+from grammar.phrases import phrases, place_follows
 
 KIN = words_of(
     "wife husband mom mum mother dad father son daughter brother sister grandma grandpa "
@@ -19,16 +19,10 @@ _MEASURES = words_of("piece pair set bunch pack stack pile roll kind type sort g
 _PLACE_WORDS = words_of("in at inside from within into to around of throughout across on")
 _ON_PLACES = frozenset(("balcony", "terrace", "porch", "upstairs", "downstairs"))
 _BARE_PLACES = frozenset(("upstairs", "downstairs", "outside", "outdoors"))
-_SUBJECTS = ("i", "we", "you", "he", "she", "they")
-_AUXILIARY = words_of("have had has am is are was were been did do will would could can")
-_BEFORE_VERB = words_of(
-    "last just already always usually normally often typically generally sometimes recently also "
-    "never not ever most previously"
-)
 PEOPLE = KIN | words_of("kid child guest visitor boy girl man woman baby person dog cat")
 
 
-class NounTagger(Cursor):
+class NounTagger(ClauseTagger):
     """Reads what belongs to things."""
 
     def _or(self) -> bool:
@@ -47,77 +41,6 @@ class NounTagger(Cursor):
             if place:
                 self._emit("AT_PLACE", place, end - self.i)
         return True
-
-    def _clause(self) -> bool:
-        """Read that is red, which was on the table, that has a handle, that i left in the hall."""
-        kinds = [t.type for t in self.out.tags[-3:]]
-        if self._text(self.i) == "that" and kinds == ["NOUN", "BE", "THERE"]:
-            del self.out.tags[-2:]  # how many chairs are there that are not wooden
-        if self._last() not in ("NOUN", "ONE", "ATTR", "PART"):
-            return False
-        if self._text(self.i) in _SUBJECTS and self._asked():
-            return self._relative(self.i)
-        if self._text(self.i) not in ("that", "which", "who"):
-            return False
-        k = self.i + 1
-        if k < len(self.words) and stands_at(self.words, k):
-            self.i = k + 1  # the picture that hangs over the sofa
-            return True
-        if self._text(k) in ("is", "are", "was", "were"):
-            k += 1
-            negated = self._text(k) in ("not", "neither")
-            k += negated
-            if negated and self._text(k) in DETERMINERS:
-                self._emit("_EXCEPT", 0, k - self.i)  # that is not a cup
-            elif self._attribute_at(k):
-                self._emit("_THAT_IS_NOT" if negated else "_THAT_IS", 0, k - self.i)
-            elif self._text(k) in ("made", "built"):
-                self._emit("_NOT_MADE_OF" if negated else "_MADE_OF", 0, k + 2 - self.i)
-            elif negated:
-                self._emit("THAT_NOT", 0, k - self.i)
-            else:
-                self.i = k
-            return True
-        if self._text(k) in ("has", "have", "had"):
-            none = self._text(k + 1) == "no"
-            return self._part_of(k + 1 + none, without=none)
-        if [self._text(k + n) for n in (1, 2)] == ["not", "have"]:
-            return self._part_of(k + 3, without=True)
-        if self._text(k) in ("belongs", "belong", "belonged") and self._text(k + 1) == "to":
-            self.i = k
-            return self._belongs(k + 2)
-        return self._relative(k)
-
-    def _asked(self) -> bool:
-        """Whether the question's own verb has been said: another one is a relative clause."""
-        return any(t.type in ("BE", "AUX", "_SHOW", "_FIND", "_SEEK") for t in self.out.tags)
-
-    def _relative(self, k: int) -> bool:
-        """Read the cup (that) i left on the table: the subject and its verb say nothing more."""
-        if self._text(k) not in _SUBJECTS:
-            return False
-        k += 1
-        while self._text(k) in _AUXILIARY or self._text(k) in _BEFORE_VERB:
-            k += 1
-        if self._text(k) not in phrases().verbs and not is_open(self._text(k)):
-            return False
-        self.i = k + 1
-        if self._text(self.i) in ("around", "about", "in", "on", "with") and self.i + 1 == len(
-            self.words
-        ):
-            self.i += 1  # the banjo that i usually keep around
-        return True
-
-    def _belongs(self, k: int) -> bool:
-        owner = self._text(k)
-        if owner in OWNED or is_open(owner):
-            self._emit("OWNED", OWNED.get(owner, owner.removesuffix("'s")), k + 1 - self.i)
-            return True
-        return False
-
-    def _attribute_at(self, k: int) -> bool:
-        found = self.reader.read(self.words, k) if is_open(self._text(k)) else []
-        return bool(found) and isinstance(found[0][0], Attribute)
 
     def _place(self) -> bool:
         k = self.i
@@ -233,38 +156,6 @@ class NounTagger(Cursor):
             return False
         return all(isinstance(what, Attribute) for what, _, _ in found)
 
-    def _part(self) -> bool:
-        """With a handle, without stripes, with no lid; other `with` is the relation together."""
-        text = self._text(self.i)
-        if text not in ("with", "without"):
-            return False
-        none = self._text(self.i + 1) == "no"
-        return self._part_of(self.i + 1 + none, without=none or text == "without")
-
-    def _part_of(self, start: int, *, without: bool) -> bool:
-        """Take the part or pattern at `start` as what the noun has, or lacks."""
-        k = start
-        while self._text(k) in DETERMINERS or numbers.cardinal([self._text(k)], 0):
-            k += 1
-        found = self.reader.read(self.words, k) if is_open(self._text(k)) else []
-        noun = next((w.said for w, _, _ in found if isinstance(w, Noun)), "")
-        pattern = self._pattern(noun)
-        if not noun or not (pattern or without or noun.rpartition(" ")[2] in self.lexicon.parts):
-            return False
-        self._emit("_WITHOUT_PART" if without else "_WITH_PART", 0, start - self.i)
-        for what, first, end in found:
-            self.i = first
-            if isinstance(what, Attribute):
-                self._emit("ATTR", what, end - first)
-            else:
-                self._emit("PART", Pattern(pattern) if pattern else what.said, end - first)
-        return True
-
-    def _pattern(self, noun: str) -> str | None:
-        """Return the word for a pattern that a thing has: stripes make it striped."""
-        patterns = self.lexicon.patterns
-        return patterns.get(noun) or patterns.get(noun.rpartition(" ")[2])
-
     def _owner(self) -> bool:
         text = self._text(self.i)
         if text in OWNERS or text in ("mine", "ours", "yours"):
@@ -301,6 +192,9 @@ class NounTagger(Cursor):
             k += 1
         if not self._open_at(k):
             return False
+        if self._text(k) in self.lexicon.names and not self._open_at(k + 1) and k == self.i + 1:
+            self._emit("OWNED", self._text(k), 2)  # the bag of anna
+            return True
         measured = self.out.tags[-1].value
         if isinstance(measured, Noun) and measured.said in _MEASURES:
             self.out.tags.pop()
@@ -344,4 +238,6 @@ class NounTagger(Cursor):
 
     def _moves(self, k: int) -> bool:
         """Whether the verb at `k` has no object: the dog that went is the thing asked for."""
+        if place_follows(self.words, k + 1):
+            return True
         return not any(self._noun_phrase_at(j) for j in range(k + 1, min(k + 4, len(self.words))))

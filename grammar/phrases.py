@@ -5,12 +5,18 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import lru_cache
 
+from grammar.closed import words_of
 from grammar.vocabulary import files
 from grammar.words import Word
 
 STANCES = ("stands", "stood")
+SUBJECT_OF = words_of(
+    "about regarding concerning called named titled entitled labeled labelled marked saying "
+    "depicting"
+)
+"""Words before what a book, a jar or a picture is about: that names no other thing."""
 VERBAL = ("SEE", "LEAVE", "FINDS", "GO", "MOVED", "MISSING")
-_CUTTING = ("_MADE_OF", "_EXCEPT", "SIDE_BY_SIDE", "MISSING", "usual", "HERE")
+_CUTTING = ("GO", "_MADE_OF", "_EXCEPT", "SIDE_BY_SIDE", "MISSING", "usual", "HERE")
 _BEING = frozenset(("is", "are", "was", "were", "been"))
 _PREPOSITIONS = frozenset(("in", "at", "inside", "within", "throughout", "on"))
 _ADVERBS = frozenset(("right", "directly", "immediately", "straight", "still", "just", "usually"))
@@ -55,9 +61,8 @@ def phrases() -> Phrases:
             found.setdefault(parts[0], []).append((parts, f"REL {kind.strip()}"))
     for entries in found.values():
         entries.sort(key=lambda entry: (-len(entry[0]), entry[1] not in STANCES))
-    return Phrases(
-        found, frozenset(verbs), frozenset(stances), frozenset(verbs | breakers | {"belonging"})
-    )
+    breakers |= verbs | SUBJECT_OF | {"belonging"}
+    return Phrases(found, frozenset(verbs), frozenset(stances), frozenset(breakers))
 
 
 def breaks(words: list[Word], k: int) -> bool:
@@ -116,7 +121,8 @@ def asks_at_start(texts: list[str]) -> bool:
 
 def spoken() -> tuple[str, ...]:
     """Return every phrase of the question, for spelling to leave alone."""
-    return tuple(" ".join(parts) for entries in phrases().by_first.values() for parts, _ in entries)
+    said = (" ".join(parts) for entries in phrases().by_first.values() for parts, _ in entries)
+    return (*said, *SUBJECT_OF)
 
 
 @lru_cache(maxsize=16)

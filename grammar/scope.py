@@ -235,6 +235,8 @@ def refuse_late(text: str, found: FormalQuery, rest: list[Word], lexicon: Lexico
         if term.category in lexicon.places or term.category == ANYTHING:
             continue
         head = term.word.rpartition(" ")[2]
+        if head == "like" and len(term.word) > len(head):
+            raise _out(text, rest[-1], "It knows no properties of things", rest, lexicon)
         if i == 0 and (
             term.word in lists["abstract"]
             or (head in lists["abstract"] and head not in lexicon.nouns)

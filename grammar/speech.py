@@ -52,12 +52,15 @@ def _parted(words: list[Word]) -> list[list[Word]]:
     if pause:
         return [words[:pause], *_parted(words[pause + 1 :])]
     dislocated = texts[-1] in ("it", "they", "them") and texts[0] not in QUESTION_STARTS
-    if texts[0] not in _STATING and not dislocated:
+    pointing = texts[0] in _POINTING and not dislocated
+    if texts[0] not in _STATING and not dislocated and not pointing:
         return [words]
     for i in range(1 if dislocated else 2, len(texts) - 2):
         starts = tuple(texts[i : i + 2])
         asked = starts[0] in QUESTION_WORDS and starts[1] in _ASKING_VERBS
         pronoun = starts[0] in AUXILIARIES and starts[1] in _ASKED_SUBJECTS
+        if pointing and not (pronoun or (asked and texts[i + 2] in _ASKED_SUBJECTS)):
+            continue  # this cup where was it
         if (asked or pronoun or starts in _ASKED) and texts[i - 1] not in _TELLING:
             return [words[:i], words[i:]]
     return [words]
@@ -90,6 +93,7 @@ def _asks_at(texts: list[str], i: int) -> bool:
 
 
 _STATING = words_of("i we my our there it he she they")
+_POINTING = words_of("this these those that your a the")
 _ASKING_VERBS = AUXILIARIES | words_of("might may must would")
 _ASKED_SUBJECTS = ("it", "they")
 _ASKED = (

@@ -6,31 +6,33 @@ words of noun phrases. Adverbs that float (last, usually, not) are lifted out an
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from grammar import numbers
 from grammar.closed import is_open
-from grammar.cursor import DETERMINERS, OWNERS, PRONOUNS, TIME_GAP, Tagged
+from grammar.coordination import spread
+from grammar.cursor import DETERMINERS, PRONOUNS, TIME_GAP, Tagged
 from grammar.forms import ObjectTerm, Select
-from grammar.nouns import Attribute, Noun
-from grammar.phrases import breaks, phrases, place_follows, stands_at
+from grammar.nouns import Described, Noun
+from grammar.phrases import breaks, phrases, stands_at
+from grammar.relationtags import RelationTagger
+from grammar.sayings import AUXILIARIES
 from grammar.speech import SEEK
 from grammar.tidying import tidied
-from grammar.verbtags import VerbTagger
 from grammar.vocabulary import Lexicon
 from grammar.words import Word
 
-_WITHIN = ("corner of", "middle of", "center of", "centre of", "end of")
 _INTENSIFIERS = frozenset(("right", "directly", "immediately", "straight"))
-_PARTS_OF = frozenset(("back", "side", "edge", "top", "front", "arm", "end", "surface", "rim"))
 _ALL = ("everything", "all", "every", "each")
 _FLOATS: dict[str, Select] = {"last": "last", "first": "first", "usual": "usual"}
 
 
 def tag(words: list[Word], lexicon: Lexicon, it: ObjectTerm | None = None) -> Tagged:
     """Return the terminals of a sentence whose times are taken out; `it` is what pronouns mean."""
-    return Tagger(words, lexicon, it).run()
+    return Tagger(spread(words), lexicon, it).run()
 
 
-class Tagger(VerbTagger):
+class Tagger(RelationTagger):
     """One pass over the words of a sentence."""
 
     # -- the pass
@@ -39,8 +41,9 @@ class Tagger(VerbTagger):
         """Tag every word; what nothing reads becomes UNKNOWN, which no rule takes."""
         while self.i < len(self.words):
             for step in (
-                self._mark, self._clause, self._place, self._negation, self._part,
-                self._owner, self._noun_as_subject, self._phrase, self._plain,
+                self._joint_part, self._mark, self._clause, self._place, self._topic,
+                self._negation, self._part, self._owner, self._noun_as_subject, self._phrase,
+                self._plain,
             ):  # fmt: skip
                 if step():
                     break
@@ -69,6 +72,10 @@ class Tagger(VerbTagger):
         if text in ("or", "nor"):
             return self._or()
         return False
+
+    def _joint_part(self) -> bool:
+        """With a blue cap and a white label: another part of the same thing."""
+        return self._text(self.i) == "and" and self._part()
 
     # -- phrases
 
@@ -112,6 +119,9 @@ class Tagger(VerbTagger):
         match terminal:
             case "seen_alone" | "where_last":
                 return not self.out.tags
+            case "any_alone":
+                verbal = any(w.text in AUXILIARIES for w in self.words)
+                return not self.out.tags and not verbal and self._noun_phrase_at(following)
             case "_SHOW" if said == "tell me":
                 return not self.out.tags and self._text(following) in _ALL
             case "_SHOW" | "_FIND":
@@ -141,6 +151,9 @@ class Tagger(VerbTagger):
                 for kind, value in (("AUX", "have"), ("WHO", "you"), ("SEE", said)):
                     self._emit(kind, value, 0)
                 self.i += size
+            case "any_alone":
+                self._emit("BE", "present", 0)
+                self._emit("THERE", said, size)
             case "where_last" | "where_room":
                 self.room = terminal == "where_room"
                 self.out.select = "last" if terminal == "where_last" else self.out.select
@@ -212,58 +225,6 @@ class Tagger(VerbTagger):
         self.i += size
         return True
 
-    def _relation(self, kind: str, said: str, size: int) -> bool:
-        following = self.i + size
-        if said in ("above", "below") and self._last() == "DET":
-            return False
-        if not self.out.tags and self._text(following) in ("which", "what"):
-            self._emit("PIED", kind, size)
-            return True
-        kind, said, size = self._through_part(kind, said, size)
-        following = self.i + size
-        if not self._noun_phrase_at(following) and self._text(following) not in (
-            "one",
-            "ones",
-            "no",
-        ):
-            return False
-        if said.endswith(_WITHIN) and self._within(following, size):
-            return True
-        self._subject()
-        negated = self._last() == "THAT_NOT"
-        if negated:
-            self.out.tags.pop()
-        self._emit("THAT_NOT_REL" if negated else "REL", kind, size)
-        return True
-
-    def _through_part(self, kind: str, said: str, size: int) -> tuple[str, str, int]:
-        """Read `hanging on the back of` as `on the back of`: the part of a thing is no thing."""
-        last = said.rpartition(" ")[2]
-        for parts, terminal in phrases().by_first.get(last, ()):
-            start = self.i + size - 1
-            longer = len(parts) > 2 and parts[-1] == "of" and terminal.startswith("REL ")
-            if longer and [self._text(start + j) for j in range(len(parts))] == [*parts]:
-                return terminal[4:], " ".join(parts), size - 1 + len(parts)
-        part = [self._text(self.i + size + j) for j in range(3)]
-        if part[0] == "the" and part[1] in _PARTS_OF and part[2] == "of":
-            return kind, said, size + 3  # draped over the back of the chair
-        return kind, said, size
-
-    def _within(self, k: int, size: int) -> bool:
-        """Read the corner of the kitchen as in it, and the corner of the room as a thing."""
-        while self._text(k) in DETERMINERS or self._text(k) in OWNERS:
-            k += 1
-        place, end = self._place_at(k)
-        if place:
-            self._emit("AT_PLACE", place, end - self.i)
-        elif self._text(k) in ("room", "house", "apartment") and not self._open_at(k + 1):
-            part = self._text(self.i + size - 2)  # the corner of the room is a thing of its own
-            self._emit("REL", "in", 0)
-            self._emit("NOUN", Noun(part, part, known=True), k + 1 - self.i)
-        else:
-            return False
-        return True
-
     def _here(self, said: str, size: int) -> bool:
         following = self.i + size
         if said == "there":
@@ -293,17 +254,6 @@ class Tagger(VerbTagger):
         if said == "home" and self._last() in ("DET", "OWNER"):
             return False
         self._emit("HERE", said, size)
-        return True
-
-    def _stranded(self, text: str) -> bool:
-        """Take a preposition at the end that belongs to its `which`: which shelf is it on."""
-        if self.room and text in ("in", "at", "on"):
-            self.i += 1
-            return True
-        kind = self.lexicon.relations.get(text)
-        if kind is None or not self.out.tags or self.out.tags[0].type != "_WHICH":
-            return False
-        self._emit("STRANDED", kind, 1)
         return True
 
     def _happening(self, text: str) -> bool:
@@ -341,31 +291,30 @@ class Tagger(VerbTagger):
             return True
         if self._side(text):
             return True
-        if self.i + 1 == len(self.words) and self._stranded(text):
+        ending = " ".join(w.text for w in self.words[self.i :])
+        if ending in self.lexicon.relations and self._stranded(ending):
             return True
         if not is_open(text):
             return False
         if self._happening(text):
             return False
-        for what, first, last in self.reader.read(self.words, self.i):
+        for what, first, last in self._without_place(self.reader.read(self.words, self.i)):
             self.i = first
             self._emit("NOUN" if isinstance(what, Noun) else "ATTR", what, last - first)
         return True
 
-    def _side(self, text: str) -> bool:
-        """Read a preposition or side that is none here: the left shelf, gone from, left at."""
-        if text in ("left", "right") and self._last() in ("DET", "OWNER", "ATTR"):
-            self._emit("ATTR", Attribute(text, "other"), 1)
-            return True
-        if text == "from" and self._last() in ("MISSING", "MOVED"):
-            self._emit("REL", "on", 1)
-            return True
-        if text == "at" and (
-            self.i + 1 == len(self.words) or place_follows(self.words, self.i + 1)
-        ):
-            self.i += 1  # where was it left at, where is it at in the hall
-            return True
-        if text in ("above", "below") and self._last() == "DET" and self._open_at(self.i + 1):
-            self._emit("ATTR", Attribute(text, "other"), 1)
-            return True
-        return False
+    def _without_place(self, found: list[Described]) -> list[Described]:
+        """Cut a place off a noun where nothing but the two is said: `red cup kitchen`."""
+        what, first, last = found[-1]
+        led = all(t.type in ("DET", "OWNER", "ATTR", "NUMBER") for t in self.out.tags)
+        ends = all(w.text == TIME_GAP for w in self.words[last:])
+        if not isinstance(what, Noun) or not ends or not led or what.known:
+            return found
+        for k in range(first + 1, last):
+            thing = self.lexicon.known_noun(" ".join(w.text for w in self.words[first:k]))
+            place, end = self._place_at(k)
+            if thing and place and end == last:
+                noun = Noun(self.lexicon.canonical(thing), thing, known=True)
+                self.words[k:k] = [replace(self.words[k], text="in")]
+                return [*found[:-1], (noun, first, k)]
+        return found

@@ -3,13 +3,36 @@
 from __future__ import annotations
 
 from grammar.cursor import Tag
+from grammar.forms import ANYTHING
 from grammar.nouns import PREDICATES, Attribute, Noun
 
 
 def tidied(tags: list[Tag]) -> list[Tag]:
     """Return the terminals with what only both neighbours tell."""
     tags = _things_described(_joined_attributes(_commas(_fronted(tags))))
+    tags = _extraposed(tags)
     return _excepted(_predicates(tags))
+
+
+def _extraposed(tags: list[Tag]) -> list[Tag]:
+    """Put a clause said of what is asked for after it: `what is on the table that is not red`."""
+    at = next((i for i, t in enumerate(tags) if t.type in _CLAUSES and t.value is True), 0)
+    if not at:
+        return tags
+    end = at + 1
+    while end < len(tags) and tags[end].type == "ATTR":
+        end += 1
+    clause, rest = tags[at:end], [*tags[:at], *tags[end:]]
+    relation = next((i for i, t in enumerate(rest) if t.type == "REL"), len(rest))
+    named = any(t.type in ("NOUN", "ONE") for t in rest[:relation])
+    if rest[0].type == "_WHAT" and not named:
+        thing = Tag("NOUN", Noun(ANYTHING, "thing", known=True), rest[0].word)
+        return [Tag("_WHICH", rest[0].value, rest[0].word), thing, *clause, *rest[1:]]
+    figure = next(i for i, t in enumerate(rest) if t.type in ("NOUN", "ONE"))
+    return [*rest[: figure + 1], *clause, *rest[figure + 1 :]]
+
+
+_CLAUSES = ("_THAT_IS", "_THAT_IS_NOT", "_NOT_MADE_OF")
 
 
 def _excepted(tags: list[Tag]) -> list[Tag]:

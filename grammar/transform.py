@@ -11,6 +11,7 @@ from grammar.meaning import (
     THING,
     AtPlace,
     Group,
+    Here,
     Item,
     Meaning,
     MeaningError,
@@ -199,6 +200,21 @@ class Meanings(Terms):
         figure = Group((replace(THING, without=without),))
         return Meaning("what", Things(figure, items_of(words)))
 
+    def what_attribute(self, *words: Any) -> Meaning:
+        """Rule what: _WHAT tail aux PREDICATE+."""
+        thing = replace(THING, attributes=_predicates(words))
+        return Meaning("what", Things(Group((thing,)), items_of(words)))
+
+    def what_ground(self, aux: Aux, things: Things, stranded: Token) -> Meaning:
+        """Rule what: _WHAT aux things STRANDED. It asks where: on some thing."""
+        related = Related(stranded.value, Group((THING,)))
+        return Meaning("where", things.with_items((related,)), newest=aux.value != "past")
+
+    def shown_ground(self, things: Things, stranded: Token) -> Meaning:
+        """Rule what: _SHOW things STRANDED."""
+        meaning: Meaning = self.what_ground(Aux("present"), things, stranded)
+        return meaning
+
     def what_passive(self, *words: Any) -> Meaning:
         """Rule what: _WHAT aux passive."""
         return Meaning("what", _things(words))
@@ -206,7 +222,9 @@ class Meanings(Terms):
     def what_is(self, *words: Any) -> Meaning:
         """Rule what: _WHAT aux things."""
         things = _things(words)
-        if not any(isinstance(item, Related | AtPlace) for item in things.items):
+        described = things.group is not None and things.group.terms[0].attributes
+        placed = (Related, AtPlace, Here) if described else (Related, AtPlace)
+        if not any(isinstance(item, placed) for item in things.items):
             raise MeaningError("it asks what a thing is")
         return Meaning("what", things)
 

@@ -79,6 +79,8 @@ class VerbTagger(NounTagger):
                 return False
             self._emit("HAVE", said, size)
             return True
+        if said.startswith("should") and following not in ("i", "we", "you"):
+            return False  # where should the plates go asks for advice
         if self._has("AUX") and said in ("have", "had"):
             self.i += size
             return True
@@ -110,8 +112,10 @@ class VerbTagger(NounTagger):
             return False
         if terminal == "MISSING" and said in ("gone", "lost", "removed") and self._has("_WHERE"):
             return False
-        if terminal == "MOVED" and said == "different" and self._last() not in ("BE", "_WHAT"):
-            return False
+        if terminal == "MOVED" and said in ("different", "new"):
+            asked = [t.type for t in self.out.tags[-2:]] == ["_WHAT", "BE"]
+            if not (asked or (said == "different" and self._last() in ("BE", "_WHAT"))):
+                return False
         self._emit(terminal, said, size)
         return True
 

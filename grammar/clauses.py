@@ -1,0 +1,206 @@
+"""Clauses after a noun: that is red, which i left in the hall, about cooking, for the shed."""
+
+from __future__ import annotations
+
+from grammar import numbers
+from grammar.closed import is_open, words_of
+from grammar.cursor import DETERMINERS, OWNED, OWNERS, Cursor
+from grammar.forms import ANYTHING
+from grammar.nouns import Attribute, Noun, Pattern
+from grammar.phrases import SUBJECT_OF, phrases, place_follows, stands_at
+
+_SUBJECTS = ("i", "we", "you", "he", "she", "they")
+_AUXILIARY = words_of("have had has am is are was were been did do will would could can")
+_BEFORE_VERB = words_of(
+    "last just already always usually normally often typically generally sometimes recently also "
+    "never not ever most previously"
+)
+
+
+class ClauseTagger(Cursor):
+    """Reads what is said of a noun after it."""
+
+    def _clause(self) -> bool:
+        """Read that is red, which was on the table, that has a handle, that i left in the hall."""
+        kinds = [t.type for t in self.out.tags[-3:]]
+        if self._text(self.i) == "that" and kinds == ["NOUN", "BE", "THERE"]:
+            del self.out.tags[-2:]  # how many chairs are there that are not wooden
+        if self._last() not in ("NOUN", "ONE", "ATTR", "PART"):
+            return False
+        if self._text(self.i) in _SUBJECTS and self._asked():
+            return self._relative(self.i)
+        if self._text(self.i) not in ("that", "which", "who"):
+            return False
+        k = self.i + 1
+        if k < len(self.words) and stands_at(self.words, k):
+            self.i = k + 1  # the picture that hangs over the sofa
+            return True
+        if self._text(k) in ("is", "are", "was", "were"):
+            plural = self._text(k) in ("are", "were")
+            k += 1
+            negated = self._text(k) in ("not", "neither")
+            k += negated
+            far = self._extraposed(plural)
+            if negated and self._text(k) in DETERMINERS:
+                self._emit("_EXCEPT", 0, k - self.i)  # that is not a cup
+            elif self._attribute_at(k):
+                self._emit("_THAT_IS_NOT" if negated else "_THAT_IS", far, k - self.i)
+            elif self._text(k) in ("made", "built"):
+                self._emit(
+                    "_NOT_MADE_OF" if negated else "_MADE_OF", far and negated, k + 2 - self.i
+                )
+            elif negated:
+                self._emit("THAT_NOT", 0, k - self.i)
+            else:
+                self.i = k
+            return True
+        if self._text(k) in ("has", "have", "had"):
+            none = self._text(k + 1) == "no"
+            return self._part_of(k + 1 + none, without=none)
+        if [self._text(k + n) for n in (1, 2)] == ["not", "have"]:
+            return self._part_of(k + 3, without=True)
+        if self._text(k) in ("belongs", "belong", "belonged") and self._text(k + 1) == "to":
+            self.i = k
+            return self._belongs(k + 2)
+        return self._relative(k)
+
+    def _asked(self) -> bool:
+        """Whether the question's own verb has been said: another one is a relative clause."""
+        return any(t.type in ("BE", "AUX", "_SHOW", "_FIND", "_SEEK") for t in self.out.tags)
+
+    def _relative(self, k: int) -> bool:
+        """Read the cup (that) i left on the table: the subject and its verb say nothing more."""
+        if self._text(k) not in _SUBJECTS:
+            return False
+        k += 1
+        while self._text(k) in _AUXILIARY or self._text(k) in _BEFORE_VERB:
+            k += 1
+        if self._text(k) not in phrases().verbs and not is_open(self._text(k)):
+            return False
+        self.i = k + 1
+        if self._text(self.i) in ("around", "about", "in", "on", "with") and self.i + 1 == len(
+            self.words
+        ):
+            self.i += 1  # the banjo that i usually keep around
+        return True
+
+    def _belongs(self, k: int) -> bool:
+        while self._text(k) in DETERMINERS or (self._text(k) in OWNERS and self._open_at(k + 1)):
+            k += 1  # that belongs to my mother
+        owner = self._text(k)
+        if owner in OWNED or is_open(owner):
+            self._emit("OWNED", OWNED.get(owner, owner.removesuffix("'s")), k + 1 - self.i)
+            return True
+        return False
+
+    def _attribute_at(self, k: int) -> bool:
+        found = self.reader.read(self.words, k) if is_open(self._text(k)) else []
+        return bool(found) and isinstance(found[0][0], Attribute)
+
+    def _extraposed(self, plural: bool) -> bool:
+        """Whether a clause at the end is said of what is asked for, not of the noun before it.
+
+        So `what is on the table that is not red`, and by its number `the cups on it that are red`.
+        """
+        tags = self.out.tags
+        nouns = [t for t in tags if t.type == "NOUN"]
+        if not any(t.type == "REL" for t in tags) or tags[-1].type != "NOUN":
+            return False
+        ground = tags[-1].word.start in self.several
+        bare = tags[0].type == "_WHAT" and tags[2:3] != [] and tags[2].type != "NOUN"
+        first = nouns[0].value
+        anything = isinstance(first, Noun) and first.category == ANYTHING and len(nouns) > 1
+        if bare or anything:
+            return not (plural and ground)
+        agrees = (nouns[0].word.start in self.several) == plural
+        return len(nouns) > 1 and agrees and ground != plural
+
+    def _topic(self) -> bool:
+        """Pass over what a thing is about or for: the book about cooking, the key to the shed."""
+        text = self._text(self.i)
+        if self._last() not in ("NOUN", "PART"):
+            return False
+        if text == "by" and self._text(self.i + 1) in self.lexicon.names:
+            self.i = self.reader.read(self.words, self.i + 1)[-1][2]  # the book by jane austen
+            return True
+        if text == "to" and self.superlatives:
+            self._emit("REL", "near", 1)  # the closest chair to the door
+            return True
+        said = [w.text for w in self.words[self.i : self.i + 4]]
+        timed = any(tuple(said[: len(p)]) == p for p, _ in phrases().by_first.get(text, ()))
+        moving = any(t.type in ("MOVED", "GO", "MISSING") for t in self.out.tags)
+        for_use = text in ("for", "to") and not timed and not moving
+        if not for_use and text not in SUBJECT_OF:
+            return False
+        k = self.i + 1
+        led = self._text(k) in DETERMINERS or self._text(k) in OWNERS
+        if text == "to" and not led:
+            return False
+        while self._text(k) in DETERMINERS or self._text(k) in OWNERS or self._counts(k):
+            k += 1
+        if not self._open_at(k) or (for_use and not self._names(k)):
+            return False
+        self.i = self.reader.read(self.words, k)[-1][2]
+        return True
+
+    def _names(self, k: int) -> bool:
+        """Whether what is for the thing at `k` is a thing, and not asked if it is fit for it."""
+        noun = self.out.tags[-1].value
+        if self._text(self.i - 1).endswith("ing") or (isinstance(noun, Noun) and not noun.known):
+            return False
+        kinds = [t.type for t in self.out.tags]
+        fitness = kinds[0] == "BE" and "THERE" not in kinds
+        return not fitness or place_follows(self.words, self.reader.read(self.words, k)[-1][2])
+
+    def _counts(self, k: int) -> bool:
+        """Whether a number, or an owner such as anna's, stands at `k`."""
+        text = self._text(k)
+        return text.endswith("'s") or bool(text and numbers.cardinal([text], 0))
+
+    def _part(self) -> bool:
+        """With a handle, without stripes, with no lid; other `with` is the relation together."""
+        text = self._text(self.i)
+        if text == "and" and self._last() == "PART":
+            return self._part_of(self.i + 1, without=self._lacks())
+        if text not in ("with", "without"):
+            return False
+        none = self._text(self.i + 1) == "no"
+        return self._part_of(self.i + 1 + none, without=none or text == "without")
+
+    def _lacks(self) -> bool:
+        """Whether the part said last is one that the thing lacks."""
+        parts = [t.type for t in self.out.tags if t.type in ("_WITH_PART", "_WITHOUT_PART")]
+        return parts[-1] == "_WITHOUT_PART"
+
+    def _part_of(self, start: int, *, without: bool) -> bool:
+        """Take the part or pattern at `start` as what the noun has, or lacks."""
+        k = start
+        while self._text(k) in DETERMINERS or numbers.cardinal([self._text(k)], 0):
+            k += 1
+        found = self._described_part(k)
+        noun = next((w.said for w, _, _ in found if isinstance(w, Noun)), "")
+        pattern = self._pattern(noun)
+        if not noun or not (pattern or without or noun.rpartition(" ")[2] in self.lexicon.parts):
+            return False
+        self._emit("_WITHOUT_PART" if without else "_WITH_PART", 0, start - self.i)
+        for what, first, end in found:
+            self.i = first
+            if isinstance(what, Attribute):
+                self._emit("ATTR", what, end - first)
+            else:
+                self._emit("PART", Pattern(pattern) if pattern else what.said, end - first)
+        return True
+
+    def _described_part(self, k: int) -> list[tuple[Attribute | Noun, int, int]]:
+        """Return the words of a part: blue and white stripes."""
+        found = self.reader.read(self.words, k) if is_open(self._text(k)) else []
+        end = found[-1][2] if found else k
+        described = all(isinstance(what, Attribute) for what, _, _ in found)
+        if found and described and self._text(end) == "and" and is_open(self._text(end + 1)):
+            return [*found, *self.reader.read(self.words, end + 1)]
+        return found
+
+    def _pattern(self, noun: str) -> str | None:
+        """Return the word for a pattern that a thing has: stripes make it striped."""
+        patterns = self.lexicon.patterns
+        return patterns.get(noun) or patterns.get(noun.rpartition(" ")[2])
