@@ -13,19 +13,25 @@ from dataclasses import replace
 from typing import Any, Protocol
 
 from d3a.checkpoint import Arrays, pack, unpack
+from d3a.constraints import SAID, Constraints, History
 from d3a.coverage import Coverage
 from d3a.ledger import Ledger
+from d3a.match import squash
 from d3a.model import Image, Json
 from d3a.paper import PaperPipeline
 from d3a.parameters import Parameters
 from d3a.pictures import Pictures
 from d3a.readers.base import RecordingFacts, Skipped
+from d3a.reconcile import Corrected, acknowledged, news_of, reconcile, take_in
 from d3a.sightings import Event, Scene
 from d3a.store.base import (
     Batch,
+    Expected,
+    Keyframe,
     RecordingRecord,
     Region,
     Store,
+    StoreConflict,
     StoreRefused,
     TaughtName,
 )
@@ -46,6 +52,14 @@ class Pipeline(Protocol):
 
     def take_names(self, taught: Mapping[str, tuple[TaughtName, ...]]) -> None:
         """Learn the names of objects, by id: they are all that have any."""
+        ...
+
+    def take_constraints(self, constraints: Constraints) -> None:
+        """Keep what people said, from here on."""
+        ...
+
+    def correct(self, changed: Corrected) -> None:
+        """Take in what people changed in the store, when all of the memory is written."""
         ...
 
     def write(self) -> None:
@@ -119,6 +133,7 @@ class Associator:
         self._coverage = Coverage(parameters, facts.site, facts.name)
         self._categories: set[str] = set(store.meta("categories") or ())
         self._pipeline = self._new_pipeline()
+        self._corrections: frozenset[int] = frozenset()
         self.consumed = 0
         """Frames of the recording that were taken from the reader, usable or not."""
         self.skipped = Skipped()
@@ -140,11 +155,16 @@ class Associator:
         known = {record.key: record for record in self._store.recordings()}
         if self._key in known:
             self.record = known[self._key]
+        self._said = self._store.meta(SAID)
+        history = take_in(self._store)
+        self._pipeline.take_constraints(history.constraints())
+        self._corrections = history.moving()
         state = self._store.state()
         if state is None:
             return
         record, arrays = unpack(state)
         self._pipeline.restore(record["pipeline"], arrays)
+        self._pipeline.correct(news_of(history, frozenset(record.get("corrections", ()))))
         self._pictures.unreadable.update(record["unreadable"])
         if record["recording"] == self._key:
             self.consumed = record["consumed"]
@@ -176,6 +196,14 @@ class Associator:
             done=False,
         )
 
+    def has_news(self) -> bool:
+        """Say whether people spoke since the last checkpoint: then the next one is due.
+
+        To be asked before each frame, as the tiers read what people have changed. Only what is
+        said within the milliseconds that a frame takes in the tiers is heard too late for it.
+        """
+        return self._store.meta(SAID) != self._said
+
     def take_events(self) -> list[Event]:
         """Return what became of detections since the last call."""
         return self._pipeline.take_events()
@@ -205,28 +233,49 @@ class Associator:
         for reason, count in self.skipped.counts.items():
             counts[reason] = counts.get(reason, 0) + count
         self.record = replace(self.record, done=done, skipped=tuple(sorted(counts.items())))
-        batch = Batch(
-            **fields,
-            keyframes=keyframes,
-            regions=self._regions(),
-            recordings=[self.record],
-            meta=self._meta(),
-            state=self._state(done),
-        )
-        self._store.apply(batch)
+        history = self._apply(fields, keyframes, done=done)
         self._ledger.clear()
         if done:
-            self._store.collect_keyframes()
+            self._store.collect_keyframes(sorted(history.pictures()))
+
+    def _apply(self, fields: dict[str, Any], keyframes: list[Keyframe], *, done: bool) -> History:
+        """Write what was seen, under what people have said by now; return their history."""
+        known = self._corrections
+        while True:
+            self._said = self._store.meta(SAID)
+            history = History.read(self._store)
+            made = reconcile(self._store, history, known, fields, self.skipped)
+            self._pipeline.correct(made.changed)
+            self._pipeline.take_constraints(made.history.constraints())
+            self._corrections = made.history.moving()
+            meta = self._meta() | made.meta
+            if history.serial > 0:
+                meta |= acknowledged(made.history, done=done)
+            batch = Batch(
+                **made.fields,
+                keyframes=keyframes,
+                regions=self._regions(made.history.constraints()),
+                recordings=[self.record],
+                meta=meta,
+                state=self._state(done),
+                expects=Expected({SAID: self._said}),
+            )
+            try:
+                self._store.apply(batch)
+            except StoreConflict:
+                continue  # somebody has just said something: that goes on top as well
+            return made.history
 
     def _without_unreadable(self, record: Any) -> Any:
         return replace(record, image=None) if record.image in self._pictures.unreadable else record
 
-    def _regions(self) -> list[Region]:
+    def _regions(self, constraints: Constraints) -> list[Region]:
         known = {region.name for region in self._store.regions()}
         return [
             Region(name, polygon, self._facts.site)
             for name, polygon in self._facts.regions.polygons
-            if name not in known  # a person may have drawn it anew
+            # a person may have drawn it anew, or taken it away
+            if name not in known and squash(name) not in constraints.no_places
         ]
 
     def _meta(self) -> dict[str, Any]:
@@ -249,6 +298,7 @@ class Associator:
         record: Json = {
             "pipeline": pipeline,
             "recording": None if done else self._key,
+            "corrections": [] if done else sorted(self._corrections),
             "consumed": 0 if done else self.consumed,
             "skipped": {} if done else self.skipped.counts,
             "examples": {} if done else self.skipped.examples,

@@ -116,6 +116,8 @@ class _Run:
             if stopped:
                 break
         if not stopped and (self._frames > 0 or not had.done):
+            if associator.has_news():
+                self._checkpoint(associator, log)
             with self._stopwatch.stage("tiers"):
                 associator.finish()
             self._checkpoint(associator, log, done=True)
@@ -154,7 +156,13 @@ class _Run:
                 yield frame
 
     def _take(self, frame: Frame, associator: Associator, log: AssignmentLog) -> None:
-        prepared = self._preparation.prepare(frame, associator.skipped)
+        skipped = Skipped()
+        prepared = self._preparation.prepare(frame, skipped)
+        if associator.has_news():  # what people said is taken in before the tiers read its traces
+            associator.consumed -= 1
+            self._checkpoint(associator, log)
+            associator.consumed += 1
+        associator.skipped.join(skipped)
         with self._stopwatch.stage("tiers"):
             associator.add(prepared.scene, frame.image if prepared.has_picture else None)
         log.left_out(frame.name, prepared.left_out)

@@ -119,6 +119,8 @@ class Matcher:
         self.space = LookSpace(parameters)
         self.neighbours = Neighbours(parameters)
         self.offset = FrameOffset.unknown(parameters)
+        self.one: frozenset[str] = frozenset()
+        """Ids of what a person made one of several: it may look like any of them."""
         self.residuals = np.array([1.0, 1.0]) * parameters.noise_prior
         """Summed squared residuals by what was expected of them, and their number."""
 
@@ -217,6 +219,8 @@ class Matcher:
             np.nan_to_num(self.looks.ratios(likeness, views, kind), nan=0.0)
             for kind in (OTHER, BESIDE)
         )
+        if self.one and any(told := [thing.object_id in self.one for thing in things]):
+            same = np.where(told, np.maximum(same, 0.0), same)  # no look of its own to differ from
         beside = np.where(_is_placed(observed)[:, None], beside, same)
         return Scoring(agreed, differing, same, beside, likeness)
 

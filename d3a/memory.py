@@ -24,6 +24,11 @@ SCALE_LEAST, SCALE_MOST = 0.5, 9.0
 """Bounds of that correction: it adapts a noise model, it does not replace one."""
 
 
+def object_id_of(number: int) -> str:
+    """Return the id of a thing by its number; what a person split off has one below 0."""
+    return f"o{number}" if number >= 0 else f"s{-number}"
+
+
 @dataclass(slots=True, eq=False)
 class Place:
     """One location of a thing. row: in the table of positions, -1 where the position is unknown.
@@ -78,7 +83,7 @@ class Known:
     @property
     def object_id(self) -> str:
         """The id in the store."""
-        return f"o{self.number}"
+        return object_id_of(self.number)
 
     @property
     def category(self) -> str:

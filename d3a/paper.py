@@ -14,10 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from d3a.checkpoint import Arrays, detection_json, detection_of, ref_json, ref_of, stacked
+from d3a.constraints import Constraints
 from d3a.images import unit
 from d3a.ledger import Ledger
 from d3a.model import Json
 from d3a.parameters import Parameters
+from d3a.reconcile import Corrected
 from d3a.sightings import Became, Event, Interval, Scene, Seen, entry_name
 from d3a.stm import Entry, ShortTermMemory
 from d3a.store.base import ObjectRecord, StayKey, StayRecord, TaughtName
@@ -96,6 +98,22 @@ class PaperPipeline:
             for record in self._ledger.objects(ids=[shown]):
                 if record.volatile:
                     self._ledger.remove_object(shown)
+
+    def take_constraints(self, constraints: Constraints) -> None:
+        """Keep what people said from here on: what they made one is a candidate at its places."""
+        self._database.one = constraints.one
+
+    def correct(self, changed: Corrected) -> None:
+        """Take in what people changed in the store; it holds no volatile records of theirs."""
+        for instance, object_id in list(self._object_of.items()):
+            self._object_of[instance] = changed.objects.get(object_id, object_id)
+        for serial, key in list(self._stay_of.items()):
+            self._stay_of[serial] = changed.stays.get(key, key)
+        touched = changed.before | changed.after
+        for serial, shown in list(self._volatile.items()):
+            if shown in touched:
+                del self._volatile[serial]
+                self._dirty.add(serial)
 
     def take_names(self, taught: Mapping[str, tuple[TaughtName, ...]]) -> None:
         """Names change nothing: the paper's records are aggregated by their ids alone."""

@@ -94,6 +94,15 @@ class Portion:
             {k: r for k, r in self.encounters.items() if not ids & {k[0], k[1]}},
         )
 
+    def only(self, ids: set[str]) -> Portion:
+        """Return the part about some objects, with all that touches them."""
+        return Portion(
+            {k: r for k, r in self.objects.items() if k in ids},
+            {k: r for k, r in self.stays.items() if k[0] in ids},
+            {k: r for k, r in self.sightings.items() if k[0] in ids},
+            {k: r for k, r in self.encounters.items() if ids & {k[0], k[1]}},
+        )
+
     def plus(self, other: Portion) -> Portion:
         """Return both; where a key is in both, the other's record."""
         return Portion(

@@ -7,7 +7,7 @@ for longest is evicted; it is fetched back by place when the robot looks there a
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +24,8 @@ from d3a.tier3 import Stored
 CELL_M = 2.0
 """Side of the squares in which places are fetched: about what a look into a room covers."""
 REACH_SIGMAS = 3.0
+LEAST_M2 = 1e-6
+"""No mean is known better than to a millimetre."""
 Cell = tuple[int, int] | None
 """A square of the ground plane; None: things without a position."""
 FIRST_NUMBER = 1
@@ -123,6 +125,18 @@ class Recall:
             self.outside += 1
         self._complete.clear()
 
+    def refetch(self, ids: Collection[str], gained: int) -> list[Known]:
+        """Forget objects that the store has otherwise now; they come back when they are looked at.
+
+        gained: how many objects more the store has. All of them were written. Returns them.
+        """
+        gone = [t for t in self._memory.things.values() if t.object_id in ids]
+        for thing in gone:
+            self._memory.remove(thing)
+        self.outside += len(gone) + max(0, gained)  # too many costs a look into the store
+        self._complete.clear()
+        return gone
+
     def _cells_of(self, thing: Known) -> Iterable[Cell]:
         for place in thing.places:
             if place.row < 0:
@@ -218,8 +232,8 @@ class Recall:
             spread = np.reshape(stay.covariance or (surface * 2).ravel(), (3, 3))
             # What is stored is the spread: the surface's share comes back when it is spread anew.
             error = spread - surface
-            if np.linalg.eigvalsh(error)[0] < 0:
-                error = np.maximum(np.diag(np.diag(error)), 0.0)
+            if np.linalg.eigvalsh(error)[0] < LEAST_M2:  # or else it could not be inverted
+                error = np.diag(np.maximum(np.diag(error), LEAST_M2))
             mean = np.array(stay.position)
             self._memory.positions.add(thing, place, mean, mean, error)
             self._memory.positions.respread([place.row], self._parameters)
@@ -243,5 +257,5 @@ def is_histogram(model: str | None) -> bool:
 
 
 def number_of(object_id: str) -> int:
-    """Return the number in an id such as "o12"."""
-    return int(object_id.removeprefix("o"))
+    """Return the number in an id such as "o12"; that of "s3" is -3."""
+    return -int(object_id[1:]) if object_id.startswith("s") else int(object_id.removeprefix("o"))

@@ -22,6 +22,8 @@ from dataclasses import replace as with_changes
 from typing import Any
 
 from d3a.constraints import (
+    HISTORY,
+    SAID,
     Correction,
     History,
     history_meta,
@@ -46,7 +48,15 @@ from d3a.rooms import (
     region_json,
     robot_position,
 )
-from d3a.store.base import Batch, ObjectRecord, Region, Store, StoreError, TaughtName
+from d3a.store.base import (
+    Batch,
+    Expected,
+    ObjectRecord,
+    Region,
+    Store,
+    StoreConflict,
+    TaughtName,
+)
 from d3a.two_things import measured_looks
 
 TRIES = 8
@@ -262,7 +272,7 @@ def undo(store: Store) -> Correction:
         entries = tuple(each for each in past.entries if each.number != correction.number)
         fields, meta = taking_back(store, correction)
         kept = with_changes(past, entries=entries)
-        if correction.before is not None and correction.number <= past.seen and _is_open(store):
+        if correction.before is not None and correction.number <= past.seen:
             now = Portion.read(store, correction.ids())
             known, parts = packed(with_changes(correction, undoing=now))
             kept = with_changes(kept, undone=(*past.undone, known))
@@ -295,28 +305,21 @@ def _commit(store: Store, make: Callable[[int], _Made]) -> Correction:
 
 def _apply(store: Store, make: Callable[[History], Batch | None]) -> None:
     """Apply what `make` reads and makes; again where somebody wrote in the meantime."""
-    for _ in range(TRIES):
-        token = _written(store)
+    for left in reversed(range(TRIES)):
+        count = store.meta(SAID)
+        read = {SAID: count, HISTORY: store.meta(HISTORY)}
+        expected = Expected(read, tuple(store.recordings()))
         batch = make(History.read(store))
         if batch is None:
             return
-        if _written(store) == token:
-            store.apply(batch)
+        try:
+            meta = {**batch.meta, SAID: (count or 0) + 1}
+            store.apply(with_changes(batch, meta=meta, expects=expected))
+        except StoreConflict:
+            if left == 0:
+                raise
+        else:
             return
-    raise StoreError(f"{store.uri}: others write to it all the time; say it again in a moment")
-
-
-def _written(store: Store) -> tuple[object, ...]:
-    """Return what changes with every checkpoint of an ingest and with every correction."""
-    return tuple(store.recordings()), store.meta("corrections")
-
-
-def _is_open(store: Store) -> bool:
-    """Whether an ingest is under way, or was interrupted: then it holds things in memory."""
-    from d3a.checkpoint import unpack
-
-    state = store.state()
-    return state is not None and unpack(state)[0]["recording"] is not None
 
 
 def _object(store: Store, object_id: str) -> ObjectRecord:

@@ -7,6 +7,7 @@ known object always among the candidates: to match by look alone would split and
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -59,6 +60,8 @@ class DatabaseFilter:
         self._ledger = ledger
         self._stored = stored
         self._parameters = parameters
+        self.one: Mapping[str, frozenset[str]] = {}
+        """What a person made one of several, with the categories that those had."""
 
     def merge(
         self,
@@ -75,6 +78,7 @@ class DatabaseFilter:
         came_from: the stay of the entry that it moved away from, where that is stored already.
         """
         records = self._records(entry, look, known_id)
+        records = self._told(entry.category, position, records)
         stays = self._ledger.stays(object_ids=list(records)) if records else []
         settled = [stay for stay in stays if not stay.volatile]
         near = [(apart_m(position_of(stay), position), stay) for stay in settled]
@@ -108,6 +112,21 @@ class DatabaseFilter:
         if known_id is not None:
             found |= {record.object_id: record for record in self._ledger.objects(ids=[known_id])}
         return dict(sorted(found.items()))
+
+    def _told(
+        self, category: str, position: Floats, records: dict[str, ObjectRecord]
+    ) -> dict[str, ObjectRecord]:
+        """Add what a person made one of several, at its places: it may look like any of them."""
+        ids = sorted(i for i, names in self.one.items() if category in names and i not in records)
+        if not ids:
+            return records
+        near = {
+            stay.object_id
+            for stay in self._ledger.stays(object_ids=ids)
+            if apart_m(position_of(stay), position) <= self._parameters.d_thresh_m
+        }
+        told = {r.object_id: r for r in self._ledger.objects(ids=sorted(near)) if not r.volatile}
+        return dict(sorted((records | told).items()))
 
     def _most_alike(
         self, records: dict[str, ObjectRecord], look: Embedding | None, known_id: str | None

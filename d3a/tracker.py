@@ -14,6 +14,7 @@ import numpy as np
 
 from d3a.absence import Absence
 from d3a.checkpoint import Arrays
+from d3a.constraints import Constraints
 from d3a.encounters import Encounters
 from d3a.frame_offset import FrameOffset
 from d3a.ledger import Ledger
@@ -26,6 +27,7 @@ from d3a.model import Json
 from d3a.moves import Moves, apply_link
 from d3a.parameters import Parameters
 from d3a.recall import FIRST_NUMBER, Recall, is_histogram
+from d3a.reconcile import Corrected
 from d3a.sightings import Became, Event, FrameRef, Interval, Scene, Seen, entry_name
 from d3a.store.base import StayKey, TaughtName
 from d3a.tier1 import Thing, things
@@ -52,6 +54,7 @@ class TrackerPipeline:
         self._recall = Recall(self._memory, ledger, stored, parameters, outside)
         self._encounters = Encounters(parameters)
         self._next_number = FIRST_NUMBER
+        self._fixed: frozenset[str] = frozenset()
         self._events: list[Event] = []
 
     def observe(self, scene: Scene) -> None:
@@ -181,7 +184,7 @@ class TrackerPipeline:
             if likely:
                 self.write()
             same = never_together(thing, likely, self._ledger) if likely else None
-            if same is None or self._is_named(thing) or self._is_named(same):
+            if same is None or self._must_stay(thing, same):
                 still.append(thing)
             else:
                 was, becomes = merge(thing, same, self._memory, self._ledger, self._parameters)
@@ -196,7 +199,7 @@ class TrackerPipeline:
             if thing.row < 0 or thing.seen >= parameters.confirm_sightings:
                 continue
             missed_all = all(p.evidence >= parameters.expire_odds for p in thing.places)
-            if missed_all and not self._is_named(thing):
+            if missed_all and not self._is_told(thing):
                 self._encounters.forget(thing.object_id)
                 self._ledger.remove_object(thing.object_id)
                 name = entry_name((thing.object_id, thing.places[0].number))
@@ -205,7 +208,7 @@ class TrackerPipeline:
 
     def _link(self, changed: set[int]) -> None:
         for link in self._moves.find(changed):
-            if self._is_named(link.new):
+            if self._is_told(link.new):
                 continue
             was = (link.new.object_id, link.new.places[0].number)
             self.write()
@@ -217,6 +220,30 @@ class TrackerPipeline:
         """Learn the names of objects, by id: what has a name is not made part of another."""
         for thing in self._memory.things.values():
             thing.names = taught.get(thing.object_id, ())
+
+    def take_constraints(self, constraints: Constraints) -> None:
+        """Keep what people said from here on."""
+        self._fixed = constraints.fixed
+        self._matcher.one = frozenset(constraints.one)
+
+    def correct(self, changed: Corrected) -> None:
+        """Take in what people changed in the store; all of the memory is written."""
+        if not changed.before | changed.after:
+            return
+        gained = len(changed.after) - len(changed.before)
+        for gone in self._recall.refetch(changed.before | changed.after, gained):
+            self._encounters.forget(gone.object_id)
+            self._absence.forget(gone)
+            self._moves.compared.discard(gone.number)
+
+    def _must_stay(self, one: Known, other: Known) -> bool:
+        """Say whether two things may not be made one: names, and what a person told, stay."""
+        newer = max(one, other, key=lambda thing: thing.number)
+        return self._is_named(one) or self._is_named(other) or self._is_told(newer)
+
+    def _is_told(self, thing: Known) -> bool:
+        """Say whether a person told what the thing is: a name, a merge or a split."""
+        return thing.object_id in self._fixed or self._is_named(thing)
 
     def _is_named(self, thing: Known) -> bool:
         """Say whether a thing has a name, also since the last checkpoint."""

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import partial
 from typing import Any
 
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
 from d3a import teaching
-from d3a.constraints import HISTORY
+from d3a.constraints import HISTORY, SAID
 from d3a.corrections import UnknownThing
 from d3a.ingest import ingest
 from d3a.model import BadInput, Frame, Json
@@ -50,7 +51,7 @@ def filled(frames: Sequence[Frame], numbers: Parameters, **how: Any) -> OracleSt
 
 def content(store: Store) -> list[Json]:
     """Everything but the history, which keeps the last number that was given."""
-    return [r for r in store.dump() if r.get("key") != HISTORY]
+    return [r for r in store.dump() if r.get("key") not in (HISTORY, SAID)]
 
 
 def correct(store: Store, kind: int, a: int, b: int) -> bool:
@@ -118,3 +119,76 @@ def test_undo_restores_any_store(history: list[Batch], said: list[tuple[int, int
         assert content(store) == states.pop()
         teaching.undo(store)
     assert content(store) == states.pop()
+
+
+class Speaking(ListReader):
+    """A reader during which somebody speaks: after some frames, by number."""
+
+    def __init__(self, frames: Sequence[Frame], says: Mapping[int, Callable[[], object]]) -> None:
+        super().__init__(frames)
+        self.says = says
+
+    def __iter__(self) -> Iterator[Frame]:
+        for number, frame in enumerate(self.frames):
+            if number in self.says:
+                self.says[number]()
+            yield frame
+
+
+drawn_times = st.lists(
+    st.tuples(st.integers(0, 59), st.sampled_from([0, 0, 1, 1, 2, 9]), st.integers(0, 9),
+              st.integers(0, 9)),
+    min_size=1, max_size=5, unique_by=lambda each: each[0],
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("profile", ["default", "paper"])
+@settings(
+    deadline=None,
+    max_examples=40,
+    suppress_health_check=[HealthCheck.too_slow],
+    phases=[Phase.generate],
+)
+@given(drawn=drawn_things, seed=st.integers(0, 99), said=drawn_times)
+def test_who_speaks_while_an_ingest_runs_loses_nothing_and_breaks_nothing(
+    profile: str,
+    drawn: list[tuple[str, int, int]],
+    seed: int,
+    said: list[tuple[int, int, int, int]],
+) -> None:
+    frames, numbers = frames_of(drawn, seed, 60), parameters(profile)
+    store = filled(frames[:20], numbers)
+
+    def speak(kind: int, a: int, b: int) -> None:
+        if kind != 9:
+            correct(store, kind, a, b)
+        elif teaching.history(store):
+            teaching.undo(store)
+        assert store.check() == []
+
+    says = {at: partial(speak, *words) for at, *words in said}
+    summary = ingest(Speaking(frames, says), store, numbers)
+    assert store.check() == []
+    assert_constraints_hold(store)
+    assert sum(stay.seen for stay in store.stays()) == sum(s.seen for s in store.sightings())
+    assert not [reason for reason in summary.skipped.counts if "backwards" in reason]
+    while teaching.history(store):
+        teaching.undo(store)
+        assert store.check() == []
+    seen = sum(stay.seen for stay in store.stays())
+    assert seen == sum(s.seen for s in store.sightings())
+    assert seen <= sum(len(frame.detections or ()) for frame in frames)
+
+
+def assert_constraints_hold(store: Store) -> None:
+    """What was made one is one, and what was split is two: by their ids."""
+    ids = {record.object_id for record in store.objects()}
+    for each in teaching.history(store):
+        later = [o for o in teaching.history(store) if o.number > each.number]
+        swallowed = {o.arguments["gone"] for o in later if o.kind == "merge"}
+        if each.kind == "merge":
+            assert each.arguments["gone"] not in ids
+            assert each.arguments["kept"] in ids - swallowed or each.arguments["kept"] in swallowed
+        if each.kind == "split":
+            for name in ("object", "new"):
+                assert each.arguments[name] in ids | swallowed
