@@ -13,7 +13,7 @@ THINGS = frozenset(
     ("thing", "anything", "something", "everything", "stuff", "object", "item", "belonging")
 )
 _LEAST_JOINED = 5
-"""Two words that join to one so short are two: to day, car pet."""
+"""Two words that join to a noun of so few letters are two words: to day."""
 
 
 @dataclass(frozen=True)

@@ -164,3 +164,12 @@ def test_a_place_is_spelled_as_said_or_as_the_store_has_it(
 )
 def test_an_adjective_is_told_by_its_making(word: str, *, describes_it: bool) -> None:
     assert describes(word, lexicon().heads | {"silk"}) is describes_it
+
+
+@pytest.mark.parametrize(
+    ("joined", "listed"),
+    [("dishwasher", True), ("dishwashers", True), ("headphones", True), ("today", False),
+     ("carpet", True), ("coffee machine", False), ("mugs", False)],
+)  # fmt: skip
+def test_words_said_apart_are_one_noun_where_it_is_listed(joined: str, *, listed: bool) -> None:
+    assert lexicon().is_one_word(joined) is listed
