@@ -8,6 +8,7 @@ the word and the looks best come first, of these the newest stays. What was cut 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import prod
 
 from d3a.match import Candidate
@@ -17,8 +18,10 @@ from d3a.run import Run, milliseconds
 from d3a.steps import FindSightings
 from d3a.store.base import Sighting
 
-READ_A_KEYFRAME = 5
+READ_A_KEYFRAME = 2
 """Sightings that are read for each keyframe that may be shown."""
+MOST_JOINED = 10_000
+"""Sightings of either thing of a relation that are joined at most: the newest of them."""
 AS_GOOD = 0.9
 """Objects this near to the best in worth are as good: then the newer one comes first."""
 
@@ -40,6 +43,30 @@ def find_bounded(run: Run, step: FindSightings) -> None:
         last = None if end is None else end - 1
         run.counted = run.store.count_seen(table.ids, start_ms=start, end_ms=last)
         run.cut = True
+
+
+def find_joined(run: Run, step: FindSightings) -> None:
+    """Find the sightings of a step that others are joined with, or that are counted.
+
+    Of a relation at any time no more of a thing are joined than `MOST_JOINED`: it is looked for
+    from then on. What is counted is read whole.
+    """
+    table = run.found[step.var]
+    start, end = milliseconds(step.start), milliseconds(step.end)
+    counted = run.query.ask in ("count", "how_long", "how_often")
+    if run.query.relation is not None and start is None and end is None and not counted:
+        start = run.facts.reach(table.ids, MOST_JOINED)
+        if start is not None:
+            run.cut = True
+            run.since_ms = max(run.since_ms, start)
+    table.sightings = run.facts.sightings(table.ids, start, end)
+
+
+def keep_since(run: Run, tables: Sequence[Found]) -> None:
+    """Drop what was seen before the time from which a relation is looked for."""
+    if run.since_ms:
+        for table in tables:
+            table.sightings = [s for s in table.sightings if s.end_ms >= run.since_ms]
 
 
 def _tiers(table: Found, shares: tuple[float, ...]) -> list[list[str]]:

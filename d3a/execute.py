@@ -13,7 +13,7 @@ from typing import assert_never
 
 from d3a.answer import Answer
 from d3a.attributes import judged
-from d3a.bounded import find_bounded
+from d3a.bounded import find_bounded, find_joined, keep_since
 from d3a.changes import Slice, missing, moved, usual
 from d3a.conclude import conclude
 from d3a.facts import Facts
@@ -230,8 +230,7 @@ def _find_sightings(run: Run, step: FindSightings) -> None:
     if step.select is not None and step.var not in run.rooms:
         find_bounded(run, step)
         return
-    start, end = milliseconds(step.start), milliseconds(step.end)
-    table.sightings = run.facts.sightings(table.ids, start, end)
+    find_joined(run, step)
 
 
 def _find_edge(run: Run, step: FindEdge) -> None:
@@ -281,6 +280,7 @@ def _filter_place(run: Run, step: FilterPlace) -> None:
 
 def _relate(run: Run, step: Relate) -> None:
     tables = [run.found[var] for var in step.vars]
+    keep_since(run, tables)
     figure, grounds = tables[0], tables[1:]
     absent = [i for i, ground in enumerate(grounds) if not ground.candidates]
     if absent and step.kind != "together":

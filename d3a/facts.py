@@ -151,6 +151,13 @@ class Facts:
         found = self.store.stays_at(sorted({sighting.stay for sighting in sightings}))
         return {stay.key: stay for stay in found}
 
+    def reach(self, ids: Sequence[str], count: int) -> int | None:
+        """Return the start of the count-th newest sighting, see `Store.reach`."""
+        known = self._known.sightings
+        if all(name in known for name in ids) and sum(len(known[name]) for name in ids) < count:
+            return None
+        return self.store.reach(ids, count)
+
     def newest(
         self,
         ids: Sequence[str],

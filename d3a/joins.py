@@ -7,7 +7,7 @@ Two things meet in a shared frame (an encounter), or where their intervals overl
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -31,6 +31,8 @@ CONTACT_M = 2.0
 """What lies on, under, in or beside a thing is no further from its middle than this."""
 _PART = 4_000_000  # pairs compared at once: keeps the join's memory under 100 MB
 Spans = dict[StayKey, list[tuple[int, int]]]
+Rows = NDArray[np.intp]
+Intervals = NDArray[np.int64]
 STANDING: frozenset[RelationKind] = frozenset({"near", "on", "under", "in", "above", "same_place"})
 """These are between two places, whoever looks; sides are the viewer's."""
 SYMMETRIC: frozenset[RelationKind] = frozenset({"together", "near", "same_place"})
@@ -179,18 +181,49 @@ def _overlapping(
     place_b = positions([ground.stays[s.stay] for s in rows_b])
     span_a = np.array([(s.start_ms, s.end_ms) for s in rows_a], dtype=np.int64).reshape(-1, 2)
     span_b = np.array([(s.start_ms, s.end_ms) for s in rows_b], dtype=np.int64).reshape(-1, 2)
-    step = max(1, _PART // max(len(rows_b), 1))
+    meeting = _everyone(len(rows_a), len(rows_b)) if timeless else _at_once(span_a, span_b)
     found: list[tuple[Sighting, Sighting]] = []
-    for at in range(0, len(rows_a), step):
-        here, span = place_a[at : at + step], span_a[at : at + step]
-        apart = here[:, None, :] - place_b[None, :, :]
-        meets = np.einsum("ijk,ijk->ij", apart, apart) <= reach_m**2
-        if not timeless:
-            meets &= span[:, None, 0] <= span_b[None, :, 1]
-            meets &= span[:, None, 1] >= span_b[None, :, 0]
-        pairs = np.argwhere(meets).tolist()
-        found += [(rows_a[at + i], rows_b[j]) for i, j in pairs]
+    for i, j in meeting:
+        apart = place_a[i] - place_b[j]
+        near = np.einsum("ik,ik->i", apart, apart) <= reach_m**2
+        pairs = zip(i[near].tolist(), j[near].tolist(), strict=True)
+        found += [(rows_a[a], rows_b[b]) for a, b in pairs]
     return found
+
+
+def _everyone(count_a: int, count_b: int) -> Iterator[tuple[Rows, Rows]]:
+    """Yield all pairs of rows in parts, by the first row and then by the second."""
+    step = max(1, _PART // max(count_b, 1))
+    for at in range(0, count_a, step):
+        i = np.arange(at, min(at + step, count_a))
+        yield np.repeat(i, count_b), np.tile(np.arange(count_b), len(i))
+
+
+def _at_once(span_a: Intervals, span_b: Intervals) -> Iterator[tuple[Rows, Rows]]:
+    """Yield the pairs of rows whose closed intervals (n, 2) overlap, in the order of `_everyone`.
+
+    A sweep: of the second, sorted by start, only those can overlap that begin before the first
+    ends and no longer before it begins than the longest lasts.
+    """
+    order = np.argsort(span_b[:, 0], kind="stable")
+    starts = span_b[order, 0]
+    longest = int((span_b[:, 1] - span_b[:, 0]).max(initial=0))
+    low = np.searchsorted(starts, span_a[:, 0] - longest, side="left")
+    high = np.maximum(np.searchsorted(starts, span_a[:, 1], side="right"), low)
+    sizes = np.cumsum(high - low)
+    at = 0
+    while at < len(span_a):
+        before = sizes[at - 1] if at else 0
+        end = max(at + 1, int(np.searchsorted(sizes, before + _PART, side="right")))
+        counts = (high - low)[at:end]
+        i = np.repeat(np.arange(at, end), counts)
+        within = np.arange(len(i)) - np.repeat(np.cumsum(counts) - counts, counts)
+        j = order[low[i] + within]
+        meets = span_b[j, 1] >= span_a[i, 0]
+        i, j = i[meets], j[meets]
+        sorted_pairs = np.lexsort((j, i))
+        yield i[sorted_pairs], j[sorted_pairs]
+        at = end
 
 
 def pairs_of(

@@ -35,7 +35,8 @@ class Run:
     rooms: by variable, the room that its noun names ("kitchen table"); plain: by variable, the
     candidates that the noun means wherever they are. refused: the attributes that `otherwise`
     does not have. looked_then, apart: see `Answer`. limit: of keyframes. cut: not every sighting
-    was read; counted: of how many objects there are some.
+    was read; counted: of how many objects there are some; since_ms: from when on a relation was
+    looked for.
     """
 
     query: FormalQuery
@@ -62,6 +63,7 @@ class Run:
     limit: int = 50
     cut: bool = False
     counted: int = 0
+    since_ms: int = 0
     suggestions: tuple[str, ...] = ()
     message: str | None = None
     rank_step: Rank | None = None

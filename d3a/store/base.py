@@ -243,6 +243,13 @@ class Store(Protocol):
         """
         ...
 
+    def reach(self, object_ids: Sequence[str], count: int) -> int | None:
+        """Return the start of the count-th newest sighting of any of the objects.
+
+        None where there are not so many. Newest: by start.
+        """
+        ...
+
     def count_seen(
         self,
         object_ids: Sequence[str],

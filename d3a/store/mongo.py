@@ -33,7 +33,6 @@ from d3a.store.base import (
     RecordingRecord,
     Region,
     Sighting,
-    StayKey,
     StayRecord,
     StoreError,
     TaughtName,
@@ -45,14 +44,14 @@ from d3a.store.mongo_documents import Document
 from d3a.store.mongo_journal import Entry, Journal, join_parts
 from d3a.store.mongo_read import Find
 from d3a.store.mongo_write import Writer, in_parts
-from d3a.store.newest import newest_of
+from d3a.store.newest import ByReading
 from d3a.store.records import Picture, Record, dump_records
 
 Translate = Callable[[str], AbstractContextManager[None]]
 _RETRIES = 3
 
 
-class MongoStore:
+class MongoStore(ByReading):
     """`Store` on a server; threads may share it. Opened by `mongo_server.open_mongo`.
 
     uri: the masked address. translated: turns errors of pymongo into StoreError.
@@ -204,11 +203,6 @@ class MongoStore:
         found = self._all("stc", mongo_read.stays(object_ids, area, start_ms, end_ms))
         return sorted(map(documents.stay_record, found), key=lambda record: record.key)
 
-    def stays_at(self, keys: Sequence[StayKey]) -> list[StayRecord]:
-        """Return these stays of those that there are, by (object_id, place)."""
-        wanted = set(keys)
-        return [s for s in self.stays(object_ids=sorted({k for k, _ in keys})) if s.key in wanted]
-
     def sightings(
         self,
         *,
@@ -222,30 +216,6 @@ class MongoStore:
         found = self._all("stc", mongo_read.sightings(object_ids, area, start_ms, end_ms))
         records = [record for document in found for record in documents.sightings(document)]
         return sorted(records, key=lambda r: (r.start_ms, r.object_id, r.place))[:limit]
-
-    def newest(
-        self,
-        object_ids: Sequence[str],
-        limit: int,
-        *,
-        start_ms: int | None = None,
-        end_ms: int | None = None,
-        oldest: bool = False,
-    ) -> list[Sighting]:
-        """Return at most `limit` sightings, the newest of each stay first; see `Store.newest`."""
-        found = self.sightings(object_ids=object_ids, start_ms=start_ms, end_ms=end_ms)
-        return newest_of(found, limit, oldest=oldest)
-
-    def count_seen(
-        self,
-        object_ids: Sequence[str],
-        *,
-        start_ms: int | None = None,
-        end_ms: int | None = None,
-    ) -> int:
-        """Count the objects with a sighting that touches the closed [start, end]."""
-        found = self.sightings(object_ids=object_ids, start_ms=start_ms, end_ms=end_ms)
-        return len({sighting.object_id for sighting in found})
 
     def edges(
         self,

@@ -4,8 +4,61 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
+from typing import Protocol
 
-from d3a.store.base import Sighting, StayKey
+from d3a.store.base import Sighting, StayKey, StayRecord
+
+
+class _Reader(Protocol):
+    """The two questions of a store that the others can be answered by."""
+
+    def stays(self, *, object_ids: Sequence[str] | None = None) -> list[StayRecord]: ...
+
+    def sightings(
+        self,
+        *,
+        object_ids: Sequence[str] | None = None,
+        start_ms: int | None = None,
+        end_ms: int | None = None,
+    ) -> list[Sighting]: ...
+
+
+class ByReading:
+    """What a store answers by reading all of some objects: right, and not quick."""
+
+    def stays_at(self: _Reader, keys: Sequence[StayKey]) -> list[StayRecord]:
+        """Return these stays of those that there are, by (object_id, place)."""
+        wanted = set(keys)
+        return [s for s in self.stays(object_ids=sorted({k for k, _ in keys})) if s.key in wanted]
+
+    def newest(
+        self: _Reader,
+        object_ids: Sequence[str],
+        limit: int,
+        *,
+        start_ms: int | None = None,
+        end_ms: int | None = None,
+        oldest: bool = False,
+    ) -> list[Sighting]:
+        """Return at most `limit` sightings, the newest of each stay first; see `Store.newest`."""
+        found = self.sightings(object_ids=object_ids, start_ms=start_ms, end_ms=end_ms)
+        return newest_of(found, limit, oldest=oldest)
+
+    def reach(self: _Reader, object_ids: Sequence[str], count: int) -> int | None:
+        """Return the start of the count-th newest sighting of any of the objects."""
+        found = self.sightings(object_ids=object_ids)
+        return found[-count].start_ms if len(found) >= count else None
+
+    def count_seen(
+        self: _Reader,
+        object_ids: Sequence[str],
+        *,
+        start_ms: int | None = None,
+        end_ms: int | None = None,
+    ) -> int:
+        """Count the objects with a sighting that touches the closed [start, end]."""
+        found = self.sightings(object_ids=object_ids, start_ms=start_ms, end_ms=end_ms)
+        return len({sighting.object_id for sighting in found})
 
 
 def newest_of(sightings: Sequence[Sighting], limit: int, *, oldest: bool = False) -> list[Sighting]:

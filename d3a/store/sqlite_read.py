@@ -226,6 +226,13 @@ def seen(object_ids: Sequence[str], start_ms: int | None, end_ms: int | None) ->
     return select
 
 
+def starts(object_ids: Sequence[str]) -> Select:
+    """Return the query of `Store.reach`: from an index alone."""
+    select = Select("s.start_ms", "sighting s INDEXED BY sighting_object_start", "s.start_ms DESC")
+    select.where(among("s.object_id", "ids"), ids=as_list(object_ids))
+    return select
+
+
 def edges(
     object_ids: Sequence[str], which: str, before_ms: int | None, after_ms: int | None
 ) -> Select:

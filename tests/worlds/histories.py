@@ -235,6 +235,7 @@ def questions(draw: st.DrawFn) -> Question:
         lambda s: s.edges(among or [], which, before_ms=end, after_ms=start),
         lambda s: s.newest(among or IDS, most, oldest=which == "first", **span),
         lambda s: s.newest(IDS, most, oldest=which == "first"),
+        lambda s: s.reach(among or IDS, most),
         lambda s: s.count_seen(among or IDS, **span),
         lambda s: s.stays_at([(name, place) for name in among or IDS for place in (0, 2)]),
         lambda s: s.embeddings(most)[0],

@@ -1,0 +1,65 @@
+"""Sightings that meet in time and space, against a loop over all pairs."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from d3a import joins
+from d3a.joins import links
+from d3a.match import Candidate
+from d3a.moments import Found
+from d3a.store.base import ObjectRecord, Sighting, StayKey, StayRecord
+
+Rows = list[tuple[int, int, int, float]]
+rows = st.lists(
+    st.tuples(st.integers(0, 2), st.integers(0, 30), st.integers(0, 9), st.floats(0, 3)),
+    max_size=12,
+)
+
+
+def found_of(prefix: str, drawn: Rows) -> Found:
+    """Objects with a stay a sighting: (object, start, length, x)."""
+    table = Found()
+    for place, (number, start, length, x) in enumerate(drawn):
+        name = f"{prefix}{number}"
+        table.candidates[name] = Candidate(ObjectRecord(name, prefix, 1.0, 0, 99), 1.0)
+        stay = StayRecord(name, place, (x, 0.0, 0.0), start, start + length, 1.0)
+        table.stays[stay.key] = stay
+        box = (0.0, 0.0, 1.0, 1.0)
+        table.sightings.append(Sighting(name, place, start, start + length, "f", 0.9, box))
+    return table
+
+
+def apart_m(a: Sighting, b: Sighting, one: Found, other: Found) -> float:
+    here, there = one.stays[a.stay].position, other.stays[b.stay].position
+    assert here is not None
+    assert there is not None
+    return math.dist(here, there)
+
+
+@pytest.mark.parametrize("part", [1, 5, 4_000_000])
+@pytest.mark.parametrize("timeless", [False, True])
+@given(figures=rows, grounds=rows)
+def test_they_meet_as_a_loop_over_all_pairs_says(
+    figures: Rows, grounds: Rows, part: int, timeless: bool
+) -> None:
+    one, other = found_of("a", figures), found_of("b", grounds)
+    want = sorted(
+        (max(a.start_ms, b.start_ms), a.stay, b.stay)
+        for a in one.sightings
+        for b in other.sightings
+        if apart_m(a, b, one, other) <= 1.0
+        and (timeless or (a.start_ms <= b.end_ms and b.start_ms <= a.end_ms))
+    )
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(joins, "_PART", part)
+        met = links(one, other, (), reach_m=1.0, timeless=timeless)
+    assert [key_of(link.start_ms, link.figure, link.ground) for link in met] == want
+
+
+def key_of(start_ms: int, figure: StayKey, ground: StayKey) -> tuple[int, StayKey, StayKey]:
+    return start_ms, figure, ground
