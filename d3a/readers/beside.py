@@ -36,13 +36,13 @@ class Beside:
     layout: str | None
 
     @classmethod
-    def of(cls, options: Options) -> Beside:
-        """Return what the options and the folder have."""
+    def of(cls, options: Options, prefix: str = "") -> Beside:
+        """Return what the options and the folder have; prefix: of the names of usual files."""
         return cls(
             Lens.of(options),
-            options.file("poses", *POSE_FILES),
+            options.file("poses", *(prefix + name for name in POSE_FILES)),
             options.positive("pose-gap", POSE_GAP_S) * 1000,
-            options.file("detections", *boxes.USUAL_FILES),
+            options.file("detections", *(prefix + name for name in boxes.USUAL_FILES)),
             options.choice("box", boxes.LAYOUTS),
         )
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from d3a.model import BadInput
-from d3a.readers import csv_table, kuri, parsing, pictures, posed, recording, tum
+from d3a.readers import coco, csv_table, kuri, parsing, pictures, posed, recording, tum, video
 from d3a.readers.base import Reader
 from d3a.readers.options import Options
 
@@ -46,6 +46,10 @@ FORMATS: dict[str, Format] = {
         posed.PosedReader.looked_for,
     ),
     "tum": Format(tum.looks_like, tum.TumReader, tum.TumReader.looked_for, tum.OPTIONS),
+    "coco": Format(coco.looks_like, coco.CocoReader, coco.CocoReader.looked_for, coco.OPTIONS),
+    "video": Format(
+        video.looks_like, video.VideoReader, video.VideoReader.looked_for, video.OPTIONS
+    ),
     "csv": Format(
         csv_table.looks_like,
         csv_table.CsvReader,
