@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from grammar import numbers
 from grammar.closed import is_open, words_of
-from grammar.cursor import DETERMINERS, OWNED, OWNERS, Cursor
+from grammar.cursor import DETERMINERS, OWNED, OWNERS, TIME_GAP, Cursor
 from grammar.forms import ANYTHING
 from grammar.nouns import Attribute, Noun, Pattern
 from grammar.phrases import SUBJECT_OF, phrases, place_follows, stands_at
@@ -71,7 +71,7 @@ class ClauseTagger(Cursor):
     def _relative(self, k: int) -> bool:
         """Read the cup (that) i left on the table: the subject and its verb say nothing more."""
         if self._text(k) not in _SUBJECTS:
-            return False
+            return self._happened(k)
         k += 1
         while self._text(k) in _AUXILIARY or self._text(k) in _BEFORE_VERB:
             k += 1
@@ -82,6 +82,15 @@ class ClauseTagger(Cursor):
             self.words
         ):
             self.i += 1  # the banjo that i usually keep around
+        return True
+
+    def _happened(self, k: int) -> bool:
+        """Read the box that came: a verb of the thing's own, with no object, says nothing more."""
+        following = self._text(k + 1)
+        alone = following in ("", TIME_GAP) or place_follows(self.words, k + 1)
+        if self._text(self.i) not in ("that", "which") or not is_open(self._text(k)) or not alone:
+            return False
+        self.i = k + 1
         return True
 
     def _belongs(self, k: int) -> bool:

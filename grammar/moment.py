@@ -104,6 +104,7 @@ class Moment:
     ago: tf.Ago | None = None
     edge: tf.EdgeName | None = None
     now: bool = False
+    same: bool = False
     whole: str | None = None
 
     @classmethod
@@ -127,6 +128,8 @@ class Moment:
                     moment = replace(moment, edge=piece.name)
                 case tf.Now():
                     moment = replace(moment, now=True)
+                case tf.SameTime():
+                    moment = replace(moment, same=True)
                 case tf.Stamp():
                     moment = replace(moment, days=(*moment.days, piece.date), clock=piece.clock)
                 case _:
@@ -185,12 +188,26 @@ class Moment:
         """Return (start, end), equal for a point; the last past one, or the first after `after`."""
         if self.now and self.clock is None and not self.days:
             return setting.now, setting.now
+        if self.same:
+            return self._same_span(setting, after)
         if self.ago is not None:
             return self._ago_span(setting, self.ago)
         if self.clock is not None:
             point = self._point(setting, self.clock, after) + timedelta(seconds=self.clock.second)
             return point, point
         return self._period(setting, after)
+
+    def _same_span(self, setting: Setting, after: datetime | None) -> Span:
+        """Return the clock time of asking on another day: this time yesterday, last week."""
+        day = self.days[0] if len(self.days) == 1 else None
+        if isinstance(day, tf.Calendar) and day.unit in ("week", "fortnight", "month", "year"):
+            point = before(setting.now, tf.Length(((day.back, day.unit),)), setting)
+            return point, point
+        span = self._day_span(setting, after)
+        if span is None or (span[1] - span[0]).days > 1:
+            raise TimeError("it names no day")
+        point = setting.at(span[0], setting.now.hour * 60 + setting.now.minute)
+        return point, point
 
     def _ago_span(self, setting: Setting, ago: tf.Ago) -> Span:
         point = before(setting.now, ago.length, setting)

@@ -10,6 +10,10 @@ from grammar.vocabulary import files
 from grammar.words import Word
 
 STANCES = ("stands", "stood")
+_ASKING = (
+    "_SHOW", "_WHERE", "_FIND", "_HOWMANY", "where_last", "when_last", "when_first", "what_last",
+    "what_first",
+)  # fmt: skip
 SUBJECT_OF = words_of(
     "about regarding concerning called named titled entitled labeled labelled marked saying "
     "depicting"
@@ -113,8 +117,7 @@ def place_follows(words: list[Word], k: int) -> bool:
 def asks_at_start(texts: list[str]) -> bool:
     """Whether the words start with a phrase that asks: `give me a list of`, `tell me the place`."""
     return any(
-        terminal in ("_SHOW", "_WHERE", "_FIND", "where_last", "_HOWMANY")
-        and texts[: len(parts)] == [*parts]
+        terminal in _ASKING and texts[: len(parts)] == [*parts]
         for parts, terminal in phrases().by_first.get(texts[0], ())
     )
 

@@ -115,8 +115,23 @@ def plain(words: list[Word], lexicon: Lexicon) -> list[Word]:
     words = _heard(_without_fillers(words))
     words = corrected(words, lexicon)
     words = _without_stutter(_without_false_starts(words))
-    words = _opened(words)
-    return _closed(words)
+    return _located(_closed(_opened(words)))
+
+
+def _located(words: list[Word]) -> list[Word]:
+    """Read a thing's location as where it is: `my phone's location`, `wallet location`."""
+    texts = [w.text for w in words]
+    if len(words) < 2 or texts[-1] not in ("location", "whereabouts") or "of" in texts:
+        return words
+    first = next((n for n in (2, 0) if tuple(texts[:n]) in _SHOWN), None)
+    if first is None or len(words) - first < 2:
+        return words
+    named = [*words[first:-2], replace(words[-2], text=texts[-2].removesuffix("'s"))]
+    place = words[-1]
+    return [replace(place, text="where"), replace(place, text="is"), *named]
+
+
+_SHOWN = ((), ("what", "is"), ("give", "me"), ("show", "me"), ("tell", "me"), ("get", "me"))
 
 
 def _heard(words: list[Word]) -> list[Word]:

@@ -12,7 +12,7 @@ from grammar import numbers
 from grammar.closed import is_open
 from grammar.coordination import spread
 from grammar.cursor import DETERMINERS, PRONOUNS, TIME_GAP, Tagged
-from grammar.forms import ObjectTerm, Select
+from grammar.forms import ANYTHING, ObjectTerm, Select
 from grammar.nouns import Described, Noun
 from grammar.phrases import breaks, phrases, stands_at
 from grammar.relationtags import RelationTagger
@@ -23,6 +23,7 @@ from grammar.vocabulary import Lexicon
 from grammar.words import Word
 
 _INTENSIFIERS = frozenset(("right", "directly", "immediately", "straight"))
+_AREAS = ("room", "area", "house", "place", "location", "spot")
 _ALL = ("everything", "all", "every", "each")
 _FLOATS: dict[str, Select] = {"last": "last", "first": "first", "usual": "usual"}
 
@@ -117,7 +118,7 @@ class Tagger(RelationTagger):
     def _fits(self, terminal: str, said: str, following: int) -> bool:
         """Whether a phrase may be what it looks like, by what stands before and after it."""
         match terminal:
-            case "seen_alone" | "where_last":
+            case "seen_alone" | "where_last" | "what_last" | "what_first":
                 return not self.out.tags
             case "any_alone":
                 verbal = any(w.text in AUXILIARIES for w in self.words)
@@ -155,9 +156,12 @@ class Tagger(RelationTagger):
                 self._emit("BE", "present", 0)
                 self._emit("THERE", said, size)
             case "where_last" | "where_room":
-                self.room = terminal == "where_room"
+                self.room = terminal == "where_room" or said.endswith(_AREAS)
                 self.out.select = "last" if terminal == "where_last" else self.out.select
                 self._emit("_WHERE", said, size)
+            case "what_last" | "what_first":
+                self.out.select = "last" if terminal == "what_last" else "first"
+                self._emit("_WHAT", said, size)
             case "when_last" | "when_first":
                 self.out.select = "last" if terminal == "when_last" else "first"
                 self._emit("_WHEN", said, size)
@@ -182,6 +186,7 @@ class Tagger(RelationTagger):
             return False
         if terminal == "_HOWMANY" and said == "count" and self.out.tags:
             return False
+        self.room = self.room or (terminal == "_WHERE" and said.endswith(_AREAS))
         self._emit(terminal, said, size)
         return True
 
@@ -276,6 +281,10 @@ class Tagger(RelationTagger):
             self._emit("NOUN", Noun(self.it.category, self.it.word, True, self.it), 1)
             return True
         if text in DETERMINERS:
+            asked = [t.type for t in self.out.tags] == ["_WHAT", "BE"]
+            if asked and (self._relation_at(self.i + 1) or self._text(self.i + 1) == "in"):
+                self._emit("NOUN", Noun(ANYTHING, "thing", known=True), 1)  # what is that on it
+                return True
             self._emit("DET", text, 1)
             return True
         numbered = text[:1].isdecimal() and text[-2:] in ("st", "nd", "rd", "th")
@@ -300,8 +309,18 @@ class Tagger(RelationTagger):
             return False
         for what, first, last in self._without_place(self.reader.read(self.words, self.i)):
             self.i = first
+            if isinstance(what, Noun) and what.said == "glasses" and self._counted():
+                what = Noun("glass", "glass", known=True)  # what is counted is to drink from
             self._emit("NOUN" if isinstance(what, Noun) else "ATTR", what, last - first)
         return True
+
+    def _counted(self) -> bool:
+        """Whether a number of what stands here is said or asked for, or what is in it."""
+        counts = [t.type for t in self.out.tags if t.type != "ATTR"][-1:]
+        pairs = any(w.text in ("pair", "pairs") for w in self.words[: self.i])
+        return (counts in (["NUMBER"], ["_HOWMANY"]) and not pairs) or self._text(
+            self.i + 1
+        ) == "of"
 
     def _without_place(self, found: list[Described]) -> list[Described]:
         """Cut a place off a noun where nothing but the two is said: `red cup kitchen`."""

@@ -159,6 +159,11 @@ class Now:
 
 
 @dataclass(frozen=True, slots=True)
+class SameTime:
+    """The clock time of asking, on the day that is named with it."""
+
+
+@dataclass(frozen=True, slots=True)
 class Stamp:
     """A date and time in digits."""
 
@@ -167,7 +172,9 @@ class Stamp:
 
 
 Day: TypeAlias = Days | Weekday | Date | Calendar | Weekend | Nth | Holiday | Season | Decade
-Piece: TypeAlias = Day | Clock | Ago | Edge | Whole | Part | PartAgo | PartDay | Now | Stamp
+Piece: TypeAlias = (
+    Day | Clock | Ago | Edge | Whole | Part | PartAgo | PartDay | Now | SameTime | Stamp
+)
 Pieces: TypeAlias = tuple[Piece, ...]
 
 

@@ -17,7 +17,7 @@ _DECADE = re.compile(r"(\d{3}0)s?$")
 
 _LEADS_PART = words_of(
     "the at in this last early late by yesterday that of on all during evening every before after "
-    "since until around"
+    "since until around each whole entire"
 )
 _LEADS_THE_PART = words_of("in during since of through at before after until all for over")
 _LEADS_SEASON = words_of("the in last this since during past previous")
@@ -147,6 +147,8 @@ class _Reader(NumberReader):
                 continue
             if kind == "WEEKEND" and self._is("NTH"):
                 continue
+            if kind == "SAME" and not self._day_named(length):
+                continue
             if kind == "EDGE" and not self._edges(length):
                 continue
             if kind == "_ONWARD" and not self._opens_only(length):
@@ -177,6 +179,12 @@ class _Reader(NumberReader):
         if kind == "_ISH":
             return self._is("HOUR", "MINUTE", "HHMM", "FIXED", "MERIDIEM", "_OCLOCK")
         return self._is("WEEKDAY", "PART")
+
+    def _day_named(self, k: int) -> bool:
+        """Whether a day, or last week, stands at `k`: this time yesterday."""
+        k += self._at(k) == "on"
+        following = self._at(k)
+        return following in ("yesterday", "last") or following in tw.WEEKDAY_NUMBER
 
     def _opens_only(self, length: int) -> bool:
         """Whether `on` ends what `from` began: from monday on."""
@@ -295,7 +303,7 @@ class _Reader(NumberReader):
     def _part(self, word: str) -> TimeToken | None:
         part = tw.PARTS[word]
         if part in ("lunch", "breakfast", "dinner", "tea", "bedtime", "midday", "day"):
-            if self._at(-1) not in (
+            if not (word == "daytime" and self._at(-1) == "the") and self._at(-1) not in (
                 "at",
                 "before",
                 "after",

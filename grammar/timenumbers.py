@@ -321,6 +321,7 @@ class NumberReader(DigitReader):
             compact in ("am", "pm", "oclock", "o'clock", "noon", "midnight", "ish")
             or (compact in ("a", "p", "o") and self._at(count + 1) in ("m", "clock"))
             or self._meridiem_after(count, second)
+            or self._part_after(count)
         )
         if following in ("noon", "midnight") and value == 12:
             return self._make("FIXED", tw.FIXED_CLOCKS[following], count + 1)
@@ -334,6 +335,12 @@ class NumberReader(DigitReader):
         if following in ("oh", "o") and introduced:
             return self._make("HOUR", value, count)
         return None
+
+    def _part_after(self, k: int) -> bool:
+        """Whether a part of the day stands at `k`: three this afternoon, eight in the morning."""
+        if self._at(k) == "in" and self._at(k + 1) == "the":
+            return self._at(k + 2) in tw.PARTS
+        return self._at(k) in ("this", "yesterday") and self._at(k + 1) in tw.PARTS
 
     def _ranges_to(self, k: int) -> bool:
         """Whether another hour follows at `k`: nine to five."""

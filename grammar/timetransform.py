@@ -23,6 +23,7 @@ from grammar.timeforms import (
     PartDay,
     Piece,
     Pieces,
+    SameTime,
     Season,
     SpokenTime,
     Stamp,
@@ -147,6 +148,10 @@ class TimeForms:
     def moment_now(self, _now: Token) -> Now:
         """piece: NOW."""
         return Now()
+
+    def same_time(self, _same: Token) -> SameTime:
+        """piece: SAME."""
+        return SameTime()
 
     def stamp(self, token: Token) -> Stamp:
         """piece: STAMP."""

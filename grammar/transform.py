@@ -122,11 +122,6 @@ class Meanings(Terms):
         _happened(words)
         return Meaning("where", _things(words), newest=_aux(words) != "past")
 
-    def where_within(self, place: Token, *words: Any) -> Meaning:
-        """Rule where: _WHERE AT_PLACE aux things passive?."""
-        meaning: Meaning = self.where_is(*words)
-        return replace(meaning, things=meaning.things.with_items((AtPlace(str(place.value)),)))
-
     def when_act(self, *words: Any) -> Meaning:
         """Rule when: _WHEN aux WHO act things."""
         return Meaning("when", _things(words))

@@ -121,7 +121,8 @@ def test_relations_are_of_the_contract() -> None:
 def test_phrases_are_terminals_of_the_grammar() -> None:
     own = {
         "drop", "last", "first", "usual", "negative", "where_room", "where_last", "when_last",
-        "when_first", "same_place", "seen_alone", "any_alone", "BE_PRESENT", "BE_PAST", "AUX_DO",
+        "when_first", "same_place", "seen_alone", "any_alone", "what_last", "what_first",
+        "BE_PRESENT", "BE_PAST", "AUX_DO",
         "AUX_DID", "AUX_HAVE", "AUX_CAN", "stands", "stood",
     }  # fmt: skip
     found = {terminal for entries in phrases().by_first.values() for _, terminal in entries}
