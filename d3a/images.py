@@ -58,6 +58,23 @@ def decode_depth(depth: Depth, scale: float = MILLIMETRES) -> NDArray[np.float32
     return np.asarray(raw, dtype=np.float32) / np.float32(scale)
 
 
+def decode_grey(content: bytes) -> tuple[Pixels, Pixels | None]:
+    """Return grey values (h, w) and opacity (h, w), None without; for floor plans.
+
+    Raises BadInput for what is cut off or no picture of 8 bits.
+    """
+    if is_cut(content):
+        raise BadInput("the picture is cut off")
+    raw = _decoded(content, cv2.IMREAD_UNCHANGED)
+    if raw is None or raw.dtype != np.uint8:
+        raise BadInput("it is not a picture of 8 bits that can be decoded")
+    if raw.ndim == 2:
+        return np.asarray(raw, dtype=np.uint8), None
+    # map_server takes the plain mean of the colours
+    grey = np.rint(raw[:, :, :3].astype(np.float64).mean(axis=2)).astype(np.uint8)
+    return grey, np.asarray(raw[:, :, 3], np.uint8) if raw.shape[2] == 4 else None
+
+
 def _content(source: Path | bytes) -> bytes:
     if isinstance(source, bytes):
         content = source

@@ -160,7 +160,7 @@ def room_of(regions: Sequence[Region], position: Position | None) -> str | None:
     x, y = position[0], position[1]
     near = [r for r in regions if _may_hold(r.polygon, x, y)]
     holding = [r for r in near if _depth_inside(r.polygon, x, y) >= 0]
-    return min(holding, key=lambda r: (_size(r.polygon), r.name)).name if holding else None
+    return min(holding, key=lambda r: (area_m2(r.polygon), r.name)).name if holding else None
 
 
 def last_look(views: Sequence[View], region: Region) -> int | None:
@@ -207,6 +207,7 @@ def _bounds(polygon: tuple[tuple[float, float], ...]) -> tuple[float, float, flo
     return min(xs), max(xs), min(ys), max(ys)
 
 
-def _size(polygon: Sequence[tuple[float, float]]) -> float:
+def area_m2(polygon: Sequence[tuple[float, float]]) -> float:
+    """Return the area of a room."""
     corners = zip(polygon, (*polygon[1:], polygon[0]), strict=True)
     return abs(sum(x1 * y2 - x2 * y1 for (x1, y1), (x2, y2) in corners)) / 2

@@ -375,7 +375,8 @@ def _name(text: str) -> str:
 def _called(name: TaughtName) -> str:
     if name.owner is None:
         return f"the {name.word}"
-    return f"my {name.word}" if name.owner == "me" else f"{name.owner}'s {name.word}"
+    owner = {"me": "my", "you": "your"}.get(name.owner, f"{name.owner.title()}'s")
+    return f"{owner} {name.word}"
 
 
 __all__ = [
