@@ -26,9 +26,14 @@ COMMANDS = {
     "evaluate": "Run the paper's four experiments and write a report.",
     "explain": "Print the formal query, the plan and the store's native queries.",
     "ingest": "Fill a store from a recording.",
+    "merge": "Say that two objects are the same thing.",
     "objects": "List the objects of a store.",
     "parse": "Print the formal query of each question.",
+    "place": "Name the rooms of the home, and keep its floor plan.",
     "simulate": "Write a simulated recording with its truth.",
+    "split": "Say that one place of an object is another thing.",
+    "teach": "Say what a thing is called, and whose it is.",
+    "undo": "Take back the last thing that was said of the store.",
 }
 """Name to summary: enough for --help, so that it loads no command."""
 EVALUATION = ("evaluate", "simulate")
