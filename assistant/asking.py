@@ -212,11 +212,11 @@ def ask_query(
     return replace(answer, elapsed_ms=answer.elapsed_ms | {"total": _ms_since(started)})
 
 
-def explain(store: Store, text: str, *, now: datetime) -> Explanation:
+def explain(store: Store, text: str | FormalQuery, *, now: datetime) -> Explanation:
     """Answer a question and tell how. Raises QuestionError and StoreError."""
     native: list[NativeQuery] = []
     started = perf_counter()
-    query = read_question(store, text, now=now)
+    query = read_question(store, text, now=now) if isinstance(text, str) else text
     parsed_ms = _ms_since(started)
     parameters = Facts(store).parameters()
     steps = plan(as_of_now(query), parameters=parameters)

@@ -14,4 +14,6 @@ def but_forgotten(said: str, answer: Answer) -> str:
         return said
     if answer.reason == "empty":
         return "My memory is empty: I was asked to forget what was in it."
-    return f"{said} But I was asked to forget some things, and cannot speak of those."
+    if said.startswith("I "):
+        said = f"As far as I still remember, {said}"
+    return f"{said} I was asked to forget some things, and cannot speak of those."
