@@ -15,6 +15,7 @@ from typing import Any, Protocol
 from d3a.checkpoint import Arrays, pack, unpack
 from d3a.constraints import SAID, Constraints, History
 from d3a.coverage import Coverage
+from d3a.forgotten import FORGOTTEN
 from d3a.ledger import Ledger
 from d3a.match import squash
 from d3a.model import Image, Json
@@ -32,6 +33,7 @@ from d3a.store.base import (
     Region,
     Store,
     StoreConflict,
+    StoreError,
     StoreRefused,
     TaughtName,
 )
@@ -156,6 +158,7 @@ class Associator:
         if self._key in known:
             self.record = known[self._key]
         self._said = self._store.meta(SAID)
+        self._forgotten = self._store.meta(FORGOTTEN)
         history = take_in(self._store)
         self._pipeline.take_constraints(history.constraints())
         self._corrections = history.moving()
@@ -242,6 +245,11 @@ class Associator:
         """Write what was seen, under what people have said by now; return their history."""
         known = self._corrections
         while True:
+            if self._store.meta(FORGOTTEN) != self._forgotten:
+                raise StoreError(
+                    f"{self._store.uri}: something was forgotten while this ingest ran; run it "
+                    "again, and it goes on from its last checkpoint without that"
+                )
             self._said = self._store.meta(SAID)
             history = History.read(self._store)
             made = reconcile(self._store, history, known, fields, self.skipped)
@@ -258,7 +266,7 @@ class Associator:
                 recordings=[self.record],
                 meta=meta,
                 state=self._state(done),
-                expects=Expected({SAID: self._said}),
+                expects=Expected({SAID: self._said, FORGOTTEN: self._forgotten}),
             )
             try:
                 self._store.apply(batch)

@@ -12,11 +12,13 @@ from dataclasses import dataclass
 
 from d3a.associator import Pipeline
 from d3a.checkpoint import Arrays, pack, unpack
+from d3a.constraints import History
 from d3a.facts import Facts
 from d3a.images import HISTOGRAM_MODEL
 from d3a.ledger import Ledger
 from d3a.model import Json
 from d3a.paper import PaperPipeline
+from d3a.reconcile import news_of
 from d3a.store.base import Store
 from d3a.tier3 import Stored
 from d3a.tracker import TrackerPipeline
@@ -65,11 +67,15 @@ def emptied(store: Store) -> Emptied:
     if record["recording"] is None:  # it was ended: the memory is empty
         return Emptied(ledger, record, arrays, was_open=False)
     pipeline = _pipeline(store, ledger, record["recording"])
+    history = History.read(store)
+    pipeline.take_constraints(history.constraints())
     pipeline.restore(record["pipeline"], arrays)
+    pipeline.correct(news_of(history, frozenset(record.get("corrections", ()))))
     pipeline.take_names(ledger.taught())
     pipeline.flush()
     flushed, arrays = pipeline.to_state()
     record |= {"pipeline": flushed, "examples": {}, "view": None}
+    record |= {"corrections": sorted(history.moving())}
     return Emptied(ledger, record, arrays, was_open=True)
 
 

@@ -11,6 +11,7 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
+from d3a.constraints import HISTORY, SAID
 from d3a.emptied import Emptied, emptied
 from d3a.forgotten import FORGOTTEN, UNSCRUBBED, Removal, Selection, removal_of
 from d3a.forgotten_history import history_without
@@ -18,7 +19,7 @@ from d3a.forgotten_pictures import Pictures, pictures_of
 from d3a.ledger import encounter_key
 from d3a.match import Lexicon
 from d3a.model import BadInput, Json
-from d3a.store.base import Batch, Store
+from d3a.store.base import Batch, Expected, Store
 
 PERSON = "person"
 
@@ -81,12 +82,15 @@ def plan_forgetting(store: Store, selection: Selection) -> ForgetPlan:
     """Find what a selection takes; nothing is written. Raises BadInput for no condition."""
     if selection.is_everything:
         raise BadInput("nothing says what to forget: name a thing, a place, a time or people")
+    expected = Expected(
+        {key: store.meta(key) for key in (FORGOTTEN, HISTORY, SAID)}, tuple(store.recordings())
+    )
     memory = emptied(store)
     removal = removal_of(memory.ledger, store, selection)
     words = removal.vanished_categories(store, memory.ledger.batch_fields()["removed_objects"])
     said = history_without(store, removal.objects, removal.gone_objects, words)
     pictures = pictures_of(memory, store, removal, said, selection.time)
-    batch = _batch(store, memory, removal, pictures, words)
+    batch = _batch(store, memory, removal, pictures, words, expected)
     batch = replace(batch, meta={**batch.meta, **said.meta})
     sizes = [len(picture.jpeg) for key in pictures.gone if (picture := store.keyframe(key))]
     looks = [r.embedding.nbytes for r in removal.gone_objects.values() if r.embedding is not None]
@@ -107,9 +111,11 @@ def plan_forgetting(store: Store, selection: Selection) -> ForgetPlan:
 
 
 def forget(store: Store, plan: ForgetPlan) -> bool:
-    """Carry a plan out, and scrub the store; nobody may write to it since the plan was made.
+    """Carry a plan out, and scrub the store.
 
     Returns whether no byte is left in its files; False: a server frees its space by itself.
+    Raises StoreConflict where an ingest or a person wrote since the plan was made: plan anew; an
+    ingest that runs meanwhile stops at its next checkpoint, and goes on when it is run again.
     Raises StoreError; where only the scrubbing failed, `finish_scrubbing` does it later.
     """
     store.apply(plan.batch)
@@ -140,6 +146,7 @@ def _batch(
     removal: Removal,
     pictures: Pictures,
     gone_categories: frozenset[str],
+    expected: Expected,
 ) -> Batch:
     """Return the flushed memory's writes, less what goes, with the removals."""
     written = memory.ledger.batch_fields()
@@ -148,7 +155,8 @@ def _batch(
     sightings = {(*r.stay, r.start_ms): r for r in written["sightings"]}
     sightings = sightings | removal.changed_sightings | pictures.sightings
     encounters = {encounter_key(r): r for r in written["encounters"]} | pictures.encounters
-    meta: Json = {FORGOTTEN: True, UNSCRUBBED: True}
+    times = store.meta(FORGOTTEN) or 0
+    meta: Json = {FORGOTTEN: times + 1, UNSCRUBBED: True}
     if gone_categories:
         known = store.meta("categories") or ()
         meta["categories"] = [name for name in known if name not in gone_categories]
@@ -166,6 +174,7 @@ def _batch(
         removed_keyframes=sorted(pictures.gone),
         meta=meta,
         state=memory.state(removal.gone_objects, gone_categories),
+        expects=expected,
     )
 
 

@@ -21,7 +21,7 @@ from d3a.model import BadInput, Frame
 from d3a.parameters import PROFILES, Parameters
 from d3a.retention import plan_retention, retention_of, seconds_of, set_retention
 from d3a.store import open_store
-from d3a.store.base import Batch, Keyframe, Store, TaughtName
+from d3a.store.base import Batch, Keyframe, Store, StoreConflict, StoreError, TaughtName
 from d3a.teaching import history, merge, teach_name
 from tests.worlds import histories, small_home
 from tests.worlds.oracle import OracleStore
@@ -124,7 +124,7 @@ def test_the_same_recording_does_not_bring_it_back(profile: str) -> None:
     assert summary.already
     assert texts(store) == before
     assert SECRET not in before
-    assert store.meta(FORGOTTEN) is True
+    assert store.meta(FORGOTTEN) == 1
     assert store.meta(UNSCRUBBED) is None
 
 
@@ -322,3 +322,31 @@ def test_what_people_said_of_it_goes_and_no_undo_brings_it_back(tmp_path: Path) 
         assert b"heirloom" not in files
         assert b"zoe" not in files
         assert f'"{secret}"' not in texts(store)
+
+
+@pytest.mark.parametrize("profile", ["default", "paper"])
+def test_an_ingest_that_runs_meanwhile_stops_and_goes_on_without_it(profile: str) -> None:
+    store, frames = OracleStore(), world()
+
+    def speak(done: int, _total: int | None) -> None:
+        if done == 17:
+            forgotten(store, Selection(object_ids=ids_of(store, SECRET)))
+
+    with pytest.raises(StoreError, match="forgotten while this ingest ran; run it again"):
+        ingest(ListReader(frames), store, small(profile), on_progress=speak)
+    assert ids_of(store, SECRET) == frozenset()
+    summary = ingest(ListReader(frames), store, small(profile))
+    assert summary.already_frames == 15, "its last checkpoint"
+    assert not store.sightings(object_ids=sorted(ids_of(store, SECRET)), end_ms=frames[14].time_ms)
+    assert store.check() == []
+
+
+def test_a_plan_is_not_carried_out_on_what_was_written_since() -> None:
+    store = OracleStore()
+    frames = filled(store, cut=10)
+    plan = plan_forgetting(store, Selection(object_ids=ids_of(store, "cup")))
+    ingest(ListReader(frames), store, small("default"), max_frames=5)
+    before = texts(store)
+    with pytest.raises(StoreConflict, match="an ingest wrote to it"):
+        forget(store, plan)
+    assert texts(store) == before
