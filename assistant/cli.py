@@ -25,6 +25,8 @@ COMMANDS = {
     "doctor": "Check the terminal, the time zone, the store and the versions.",
     "evaluate": "Run the paper's four experiments and write a report.",
     "explain": "Print the formal query, the plan and the store's native queries.",
+    "export": "Write a store as COCO, CSV or a recording.",
+    "forget": "Take things, places, times or people out of the memory.",
     "ingest": "Fill a store from a recording.",
     "merge": "Say that two objects are the same thing.",
     "objects": "List the objects of a store.",
@@ -32,6 +34,7 @@ COMMANDS = {
     "place": "Name the rooms of the home, and keep its floor plan.",
     "simulate": "Write a simulated recording with its truth.",
     "split": "Say that one place of an object is another thing.",
+    "store": "Copy a store, check and mend it, tell what it is.",
     "teach": "Say what a thing is called, and whose it is.",
     "undo": "Take back the last thing that was said of the store.",
 }

@@ -1,0 +1,155 @@
+"""`d3a store`: copy a store, check and mend it, tell what it is."""
+
+from __future__ import annotations
+
+import sys
+from datetime import UTC, datetime, timedelta, tzinfo
+from typing import TYPE_CHECKING
+
+import click
+
+from assistant.config import Settings
+from assistant.exits import ExitCode
+from assistant.options import failures, opened, settings_of, settings_options, store_name, zone_for
+from assistant.terminal import clean, is_terminal, json_line, speaks_unicode
+
+if TYPE_CHECKING:
+    from d3a.model import Json
+    from d3a.store.base import Store
+
+SCHEMA = 1
+
+
+@click.group("store")
+def command() -> None:
+    """Copy a store, check and mend it, tell what it is."""
+
+
+@command.command("copy")
+@click.argument("source", metavar="FROM")
+@click.argument("target", metavar="TO")
+@click.option("--json", "as_json", is_flag=True, help="One JSON object.")
+@settings_options
+@click.pass_context
+def copy(context: click.Context, source: str, target: str, as_json: bool) -> None:
+    """Copy the store FROM into the empty or new store TO, of either kind, and compare both.
+
+    Everything is copied: pictures, checkpoint, history. Status: 0 copied and equal, 3 not.
+    """
+    from d3a.store import mask, open_store
+    from d3a.store.copy import copy_store
+
+    settings = settings_of(context)
+    with failures():
+        origin = open_store(source, create=False, read_only=True)
+        try:
+            copied = open_store(target)
+            try:
+                told = None if settings.quiet or not is_terminal(sys.stderr) else _say_copied
+                counts = copy_store(origin, copied, progress=told)
+            finally:
+                copied.close()
+        finally:
+            origin.close()
+    record = {"schema": SCHEMA, "from": mask(source), "to": mask(target), "equal": True}
+    if as_json:
+        _print_json({**record, "holds": counts})
+    else:
+        click.echo(f"{clean(mask(target))} is equal to {clean(mask(source))}:")
+        click.echo("\n".join(_count_lines(counts)))
+
+
+def _say_copied(records: int) -> None:
+    click.echo(f"\r{records} records", err=True, nl=False)
+
+
+@command.command("check")
+@click.option("--repair", is_flag=True, help="Mend what can be mended, and check again.")
+@click.option("--json", "as_json", is_flag=True, help="One JSON object.")
+@settings_options
+@click.pass_context
+def check(context: click.Context, repair: bool, as_json: bool) -> None:
+    """Look for damage: pages, indexes, dangling ids, intervals, pictures, checkpoint.
+
+    Status: 0 sound, 1 damaged (with --repair: still), 3 the store cannot be reached.
+    """
+    from d3a.examination import examine, mend
+
+    settings = settings_of(context)
+    mended: list[str] = []
+    with opened(settings) as store:
+        damage = examine(store)
+        if repair and damage:
+            mended = mend(store)
+            damage = examine(store)
+    if as_json:
+        record = {"schema": SCHEMA, "sound": not damage, "damage": damage, "mended": mended}
+        _print_json(record)
+    else:
+        for sentence in mended:
+            click.echo(clean(f"mended: {sentence}"))
+        for sentence in damage:
+            click.echo(clean(f"damage: {sentence}"))
+        click.echo("The store is damaged." if damage else "The store is sound.")
+    if damage and not settings.quiet:
+        hint = "copy what is sound with d3a store copy" if repair else "--repair mends what it can"
+        click.echo(f"{hint}; store: {store_name(settings)}", err=True)
+    context.exit(ExitCode.NOTHING if damage else ExitCode.OK)
+
+
+@command.command("info")
+@click.option("--json", "as_json", is_flag=True, help="One JSON object.")
+@settings_options
+@click.pass_context
+def info(context: click.Context, as_json: bool) -> None:
+    """Tell what a store is and holds."""
+    from d3a.examination import facts_of
+
+    settings = settings_of(context)
+    with opened(settings) as store:
+        record = {"schema": SCHEMA, **_facts(facts_of(store), settings, store)}
+    if as_json:
+        _print_json(record)
+        return
+    for line in _info_lines(record):
+        click.echo(clean(line))
+
+
+def _facts(facts: Json, settings: Settings, store: Store) -> Json:
+    """Return the facts with their times in the home's zone, as text."""
+    zone = zone_for(settings, store)
+    first, last = facts.pop("first_ms"), facts.pop("last_ms")
+    schema = facts.pop("schema")
+    return {**facts, "store_schema": schema, "first": _iso(first, zone), "last": _iso(last, zone)}
+
+
+def _iso(time_ms: int | None, zone: tzinfo) -> str | None:
+    if time_ms is None:
+        return None
+    moment = datetime(1970, 1, 1, tzinfo=UTC) + timedelta(milliseconds=time_ms)
+    return moment.astimezone(zone).isoformat(timespec="seconds")
+
+
+def _info_lines(record: Json) -> list[str]:
+    kept = record["retain_seconds"]
+    lines = [
+        f"store       {record['address']}, schema {record['store_schema']}",
+        f"seen        {record['first'] or 'nothing yet'} to {record['last'] or '-'}",
+        f"zone        {record['zone'] or 'not told'}",
+        f"profile     {record['profile'] or '-'}, looks by {record['embedding'] or '-'}",
+        f"keeps       {'everything' if kept is None else f'the last {kept / 86_400:g} days'}"
+        f"{', and was asked to forget some' if record['forgotten'] else ''}",
+        *_count_lines(record["holds"]),
+    ]
+    for each in record["recordings"]:
+        state = "" if each["done"] else ", still open"
+        lines.append(f"recording   {each['name']}: {each['frames']} frames{state}")
+    return lines
+
+
+def _count_lines(counts: Json) -> list[str]:
+    return [f"{kind:<11} {number}" for kind, number in counts.items()]
+
+
+def _print_json(record: Json) -> None:
+    click.echo(json_line(record, ascii_only=not speaks_unicode(sys.stdout)))
