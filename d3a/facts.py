@@ -30,7 +30,11 @@ from d3a.store.newest import newest_of
 from grammar.forms import RelationKind
 
 MOST_KEPT = 5_000
-"""So many records of objects, and of stays, are kept between questions at most."""
+"""So many stays are kept between questions at most."""
+MOST_OBJECTS = 50_000
+"""And so many records of objects, half a kilobyte each."""
+MOST_LOOKS = 10_000
+"""With their embeddings they are five times as large."""
 MOST_SIGHTINGS = 20_000
 FEW_UNKNOWN = 16
 """Of so few objects all stays are read, and kept for the next question."""
@@ -121,7 +125,8 @@ class Facts:
         found = self._known.objects.get(asked)
         if found is None:
             found = self.store.objects(categories=categories, votes=True, embeddings=embeddings)
-            if self._known.keeps("objects", len(found), MOST_KEPT):
+            kind, most = ("looks", MOST_LOOKS) if embeddings else ("objects", MOST_OBJECTS)
+            if self._known.keeps(kind, len(found), most):
                 self._known.objects[asked] = found
         return found
 

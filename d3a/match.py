@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import lru_cache
 from typing import Protocol
 
 from d3a.parameters import DEFAULT
@@ -114,6 +115,10 @@ def candidates(
         if is_named(record, step):
             found.append(Candidate(record, EXACT))
             continue
+        own = worth.get(record.category)
+        if own is not None and {category for category, _ in record.categories} <= {record.category}:
+            found.append(Candidate(record, own))  # as of thousands of things most
+            continue
         votes = record.categories or ((record.category, 1.0),)
         total = sum(weight for _, weight in votes)
         match = sum(worth.get(category, 0.0) * weight for category, weight in votes)
@@ -154,6 +159,7 @@ def owned(step: FindObjects, found: Sequence[Candidate]) -> list[Candidate]:
     return theirs or list(found)
 
 
+@lru_cache(maxsize=4096)
 def squash(word: str) -> str:
     """Return a word without blanks, hyphens and case: detectors write `sportsball`."""
     return "".join(ch for ch in word.lower() if ch.isalnum())

@@ -62,9 +62,8 @@ class Landmarks:
             return None
         apart = self.position - np.array(position)
         distance = np.sqrt(np.einsum("ij,ij->i", apart, apart))
-        for i in np.argsort(distance, kind="stable").tolist():
-            if distance[i] > limit_m:
-                return None
+        near = np.flatnonzero(distance <= limit_m)
+        for i in near[np.argsort(distance[near], kind="stable")].tolist():
             if self.ids[i] not in not_ids and self.categories[i] not in not_categories:
                 return self.categories[i], float(distance[i])
         return None

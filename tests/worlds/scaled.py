@@ -249,7 +249,7 @@ def _stay(plan: Plan, spot: int, k: int) -> StayRecord:
 
 
 def _sighting(plan: Plan, spot: int, turn: int, k: int) -> Sighting:
-    x, y, z = plan.position[spot, k].tolist()
+    x, y, z = plan.position[spot, 0].tolist()  # one look shows all of the spot
     start = int(plan.start[spot, turn, k])
     left = 40.0 + 90.0 * k
     return Sighting(
