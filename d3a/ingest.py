@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import chain
 from pathlib import Path
 
@@ -12,12 +12,13 @@ from d3a.associator import Associator, check_filled_alike
 from d3a.detectors.base import Detector
 from d3a.detectors.recorded import RecordedDetector
 from d3a.images import HISTOGRAM_MODEL
+from d3a.intake import EVERYTHING, Intake, agree, check_known, placed
 from d3a.model import BadInput, Frame
 from d3a.parameters import Parameters
 from d3a.preparation import Preparation, Stopwatch
 from d3a.readers.base import Reader, RecordingFacts, Skipped
 from d3a.retention import retain
-from d3a.store.base import Store
+from d3a.store.base import Region, Store
 
 Progress = Callable[[int, int | None], None]
 """Called with the frames done and their number, None where that is unknown."""
@@ -54,15 +55,17 @@ def ingest(
     on_progress: Progress | None = None,
     max_frames: int | None = None,
     assignments: Path | None = None,
+    intake: Intake = EVERYTHING,
 ) -> IngestSummary:
     """Put a recording into the store; run again, it goes on where it was or changes nothing.
 
     detector: None takes the recorded boxes. max_frames: stop after so many new frames, with the
     recording left open. assignments: a file to tell what became of each detection, a JSON object a
-    line. Raises BadInput for a recording without frames or detections, StoreError where the store
-    fails or was filled with other parameters.
+    line. intake: what of it goes in; a recording that was taken in otherwise before is refused.
+    Raises BadInput for a recording without frames or detections, StoreError where the store fails
+    or was filled with other parameters.
     """
-    run = _Run(reader, store, parameters, detector or RecordedDetector(reader.facts.classes))
+    run = _Run(reader, store, parameters, detector, intake)
     return run.go(on_progress, max_frames, assignments)
 
 
@@ -70,24 +73,23 @@ class _Run:
     """One ingest of one recording."""
 
     def __init__(
-        self, reader: Reader, store: Store, parameters: Parameters, detector: Detector
+        self,
+        reader: Reader,
+        store: Store,
+        parameters: Parameters,
+        detector: Detector | None,
+        intake: Intake,
     ) -> None:
         self._reader = reader
         self._store = store
         self._parameters = parameters
         self._stopwatch = Stopwatch()
         facts = reader.facts
+        self._has_detector = detector is not None
+        self._detector = detector or RecordedDetector(facts.classes)
+        self._intake = placed(intake, _regions(facts, store))
+        check_known(self._intake, self._detector.classes)
         self._model = facts.embedding_model or HISTOGRAM_MODEL
-        advised = facts.min_probability
-        least = parameters.min_probability
-        self._preparation = Preparation(
-            detector,
-            parameters,
-            recording=facts.name,
-            min_probability=advised if least is None else least,
-            computes_embeddings=self._model == HISTOGRAM_MODEL,
-            stopwatch=self._stopwatch,
-        )
         self._frames = 0
         self._detections = 0
         self._total = facts.frames
@@ -97,24 +99,10 @@ class _Run:
     def go(
         self, on_progress: Progress | None, max_frames: int | None, assignments: Path | None
     ) -> IngestSummary:
-        check_filled_alike(self._store, self._parameters, self._model)
-        frames = iter(self._reader)
-        first = next(frames, None)
-        if first is None:
-            raise BadInput(f"the recording {self._reader.facts.name!r} has no frame to read")
-        associator = self._associator(self._reader.facts, first)
+        frames, associator = self._begin()
         had = associator.record
         log = AssignmentLog.open(assignments, associator.consumed, had.frames > 0)
-        stopped = False
-        for frame in self._fresh(chain([first], frames), associator):
-            self._take(frame, associator, log)
-            if on_progress is not None:
-                on_progress(associator.consumed, self._total)
-            stopped = max_frames is not None and self._frames >= max_frames
-            if stopped or associator.consumed % self._parameters.checkpoint_frames == 0:
-                self._checkpoint(associator, log)
-            if stopped:
-                break
+        stopped = self._take_all(frames, associator, log, on_progress, max_frames)
         if not stopped and (self._frames > 0 or not had.done):
             if associator.has_news():
                 self._checkpoint(associator, log)
@@ -128,9 +116,66 @@ class _Run:
             self._forgotten = 0 if old is None else old.intervals
         return self._summary(associator, had.frames)
 
-    def _associator(self, facts: RecordingFacts, first: Frame) -> Associator:
+    def _begin(self) -> tuple[Iterator[Frame], Associator]:
+        """Return the recording's frames, and the associator where the store has them up to now."""
+        check_filled_alike(self._store, self._parameters, self._model)
+        frames, facts = iter(self._reader), self._reader.facts
+        first = next(frames, None)
+        if first is None:
+            raise BadInput(f"the recording {facts.name!r} has no frame to read")
+        self._check_seen(first)
         key = f"{facts.name}|{first.name}|{first.time_ms}"
-        return Associator(self._store, self._parameters, facts, key, self._model)
+        agree(self._intake, self._store, key)
+        facts = replace(facts, name=_name_of_its_own(facts.name, key, self._store))
+        self._preparation = self._prepared_for(facts)
+        associator = Associator(self._store, self._parameters, facts, key, self._model)
+        return chain([first], frames), associator
+
+    def _take_all(
+        self,
+        frames: Iterator[Frame],
+        associator: Associator,
+        log: AssignmentLog,
+        on_progress: Progress | None,
+        max_frames: int | None,
+    ) -> bool:
+        """Take the frames in, with checkpoints; return whether it was stopped before the end.
+
+        Frames that are not taken count too: checkpoints are by the recording's own numbers.
+        """
+        each, marked = self._parameters.checkpoint_frames, associator.consumed
+        for frame in self._fresh(frames, associator):
+            self._take(frame, associator, log)
+            if on_progress is not None:
+                on_progress(associator.consumed, self._total)
+            stopped = max_frames is not None and self._frames >= max_frames
+            if stopped or associator.consumed // each > marked // each:
+                self._checkpoint(associator, log)
+                marked = associator.consumed
+            if stopped:
+                return True
+        return False
+
+    def _check_seen(self, first: Frame) -> None:
+        """Refuse a recording in which nothing was looked for, before anything is stored."""
+        if first.detections is None and not self._has_detector:
+            raise BadInput(
+                f"the recording {self._reader.facts.name!r} has pictures and no boxes: it needs a "
+                "detector (--detector model.onnx), or the boxes of one in a file beside "
+                "(detections.jsonl)"
+            )
+
+    def _prepared_for(self, facts: RecordingFacts) -> Preparation:
+        least = self._parameters.min_probability
+        return Preparation(
+            self._detector,
+            self._parameters,
+            recording=facts.name,
+            min_probability=facts.min_probability if least is None else least,
+            computes_embeddings=self._model == HISTOGRAM_MODEL,
+            stopwatch=self._stopwatch,
+            intake=self._intake,
+        )
 
     def _fresh(self, frames: Iterator[Frame], associator: Associator) -> Iterator[Frame]:
         """Yield frames that are not in the store, in time order; count those that are amiss.
@@ -152,8 +197,14 @@ class _Run:
                 associator.skipped.add(DUPLICATE, frame.name)
             elif last_ms is not None and frame.time_ms <= last_ms:
                 associator.skipped.add(BACKWARDS, frame.name)
+            elif (why := self._why_not(number, frame)) is not None:
+                associator.skipped.add(why, frame.name)
             else:
                 yield frame
+
+    def _why_not(self, number: int, frame: Frame) -> str | None:
+        why = self._intake.why_not(number, frame.time_ms)
+        return why or self._intake.why_off_limits(frame)
 
     def _take(self, frame: Frame, associator: Associator, log: AssignmentLog) -> None:
         skipped = Skipped()
@@ -164,7 +215,7 @@ class _Run:
             associator.consumed += 1
         associator.skipped.join(skipped)
         with self._stopwatch.stage("tiers"):
-            associator.add(prepared.scene, frame.image if prepared.has_picture else None)
+            associator.add(prepared.scene, prepared.picture)
         log.left_out(frame.name, prepared.left_out)
         log.events(associator.take_events())
         self._frames += 1
@@ -198,3 +249,28 @@ class _Run:
             already_frames=had_frames,
             forgotten=self._forgotten,
         )
+
+
+def _name_of_its_own(name: str, key: str, store: Store) -> str:
+    """Return the recording's name, numbered where the store has another recording of that name.
+
+    Pictures are kept by the recording's name and the frame's, and cameras count from 1 each time.
+    """
+    records = store.recordings()
+    for record in records:
+        if record.key == key:
+            return record.name
+    taken, free, number = {record.name for record in records}, name, 1
+    while free in taken:
+        number += 1
+        free = f"{name} ({number})"
+    return free
+
+
+def _regions(facts: RecordingFacts, store: Store) -> list[Region]:
+    """Return the regions that a name may mean; of two the store's, which a person may have drawn.
+
+    Regions of another site are no places of this recording.
+    """
+    own = [Region(name, polygon, facts.site) for name, polygon in facts.regions.polygons]
+    return own + [region for region in store.regions() if region.site in ("", facts.site)]

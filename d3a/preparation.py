@@ -14,7 +14,8 @@ from d3a import images
 from d3a.detectors.base import Detector
 from d3a.geometry import Metres, clip_box, locate
 from d3a.images import Pixels
-from d3a.model import BadInput, Detection, Frame
+from d3a.intake import EVERYTHING, THING_OFF_LIMITS, Intake
+from d3a.model import BadInput, Detection, Frame, Image
 from d3a.parameters import Parameters
 from d3a.readers.base import Skipped
 from d3a.sightings import FrameRef, Scene
@@ -25,6 +26,11 @@ BROKEN_DEPTH = "broken depth picture"
 OTHER_CAMERA = "picture of another size than the camera's, which is then not used"
 WEAK = "detection below the least probability"
 OUTSIDE = "box outside of the picture"
+
+
+def ignored(category: str) -> str:
+    """Return the reason for which a thing of an ignored category is left out."""
+    return f"ignored: {category}"
 
 
 @dataclass(slots=True)
@@ -53,10 +59,10 @@ class LeftOut:
 
 @dataclass(frozen=True, slots=True)
 class Prepared:
-    """A scene, whether its picture can be kept, and what was left out of it."""
+    """A scene, its picture as it may be kept (None without), and what was left out of it."""
 
     scene: Scene
-    has_picture: bool
+    picture: Image | None
     left_out: tuple[LeftOut, ...]
 
 
@@ -72,6 +78,7 @@ class Preparation:
         min_probability: float,
         computes_embeddings: bool,
         stopwatch: Stopwatch,
+        intake: Intake = EVERYTHING,
     ) -> None:
         self._detector = detector
         self._parameters = parameters
@@ -79,6 +86,7 @@ class Preparation:
         self._min_probability = min_probability
         self._computes_embeddings = computes_embeddings
         self._stopwatch = stopwatch
+        self._intake = intake
 
     def prepare(self, frame: Frame, skipped: Skipped) -> Prepared:
         """Return the frame's scene; what is broken in it is added to `skipped`."""
@@ -92,13 +100,18 @@ class Preparation:
             if self._computes_embeddings and pixels is not None:
                 kept = [_embedded(d, pixels) for d in kept]
             kept = [locate(d, frame.pose, frame.camera, depth, self._parameters) for d in kept]
+            kept, off_limits = self._allowed(frame, kept, skipped)
+            left_out += off_limits
+        picture = frame.image if has_picture else None
+        if picture is not None:
+            picture = self._keepable(frame, picture, pixels, depth, left_out)
         viewer = None
         if frame.pose is not None:
             viewer = (*frame.pose.position, *frame.pose.quaternion)
-        image = f"{self._recording}/{frame.name}" if has_picture else None
+        image = None if picture is None else f"{self._recording}/{frame.name}"
         ref = FrameRef(frame.name, frame.time_ms, image, viewer, self._recording)
         scene = Scene(ref, tuple(kept), frame.pose, frame.camera, depth)
-        return Prepared(scene, has_picture, tuple(left_out))
+        return Prepared(scene, picture, tuple(left_out))
 
     def _picture(self, frame: Frame, skipped: Skipped) -> tuple[Pixels | None, bool]:
         """Return the pixels where anything needs them, and whether there is a sound picture."""
@@ -144,16 +157,54 @@ class Preparation:
         size = _size(frame, pixels)
         for detection in detections:
             box = detection.box if size is None else clip_box(detection.box, *size)
-            if detection.probability < self._min_probability:
-                why = WEAK
-            elif box is None:
+            if box is None:
                 why = OUTSIDE
+            elif self._intake.ignores(detection.category):
+                why = ignored(detection.category)
+            elif detection.probability < self._min_probability:
+                why = WEAK
             else:
                 kept.append(detection if box == detection.box else replace(detection, box=box))
                 continue
             skipped.add(why, f"{frame.name}: {detection.category}")
             left_out.append(LeftOut(detection, why))
         return kept, left_out
+
+    def _allowed(
+        self, frame: Frame, located: list[Detection], skipped: Skipped
+    ) -> tuple[list[Detection], list[LeftOut]]:
+        """Return the detections that are not in an off-limits place, and those that are."""
+        kept, left_out = [], []
+        for detection in located:
+            if self._intake.holds(detection.position):
+                skipped.add(THING_OFF_LIMITS, frame.name)
+                left_out.append(LeftOut(detection, THING_OFF_LIMITS))
+            else:
+                kept.append(detection)
+        return kept, left_out
+
+    def _keepable(
+        self,
+        frame: Frame,
+        picture: Image,
+        pixels: Pixels | None,
+        depth: Metres | None,
+        left_out: list[LeftOut],
+    ) -> Image | None:
+        """Return the picture without what must not be stored; None where it cannot be decoded."""
+        hidden = [
+            each.detection.box
+            for each in left_out
+            if each.why == THING_OFF_LIMITS or self._intake.ignores(each.detection.category)
+        ]
+        if not hidden and (depth is None or not self._intake.off_limits):
+            return picture
+        if pixels is None:
+            try:
+                pixels = images.decode(picture)
+            except BadInput:
+                return None  # it was found whole, so its bytes are no picture's: nothing to keep
+        return self._intake.painted(pixels, hidden, depth, frame.pose, frame.camera)
 
 
 def _size(frame: Frame, pixels: Pixels | None) -> tuple[int, int] | None:
