@@ -15,8 +15,8 @@ from grammar import parse
 from grammar.errors import QuestionError
 
 MOST = 10_000
-_RUNGS: tuple[Precision, ...] = ("perfect", "category")
-"""A taught name, else the very category: what is only like it is not meant."""
+_RUNGS: tuple[Precision, ...] = ("perfect", "attribute")
+"""A taught name, else the very category and look: what is only like it is not meant."""
 
 
 class NothingMeant(BadInput):

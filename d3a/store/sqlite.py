@@ -142,7 +142,7 @@ class SqliteStore:
         if busy:
             raise StoreError(
                 f"{self.uri}: another process is reading, so the log could not be emptied; "
-                "what was removed may still be in it: end that process and scrub again"
+                "what was removed may still be in it: end that process, then store check --repair"
             )
         return True
 
