@@ -140,7 +140,9 @@ def refuse_early(
         raise _out(
             text, words[0], "It answers questions and carries out no commands", rest, lexicon
         )
-    if _use_asked(texts) or _usable(texts):
+    if texts[-2:-1] == ["or"] and {texts[-1], *texts[-3:-2]} <= _lists()["state"]:
+        raise _out(text, words[-1], "It knows no states of things", rest, lexicon)
+    if _use_asked(texts) or _usable(texts) or _in_sight(texts):
         raise _out(text, words[0], "A memory of sightings gives no advice", rest, lexicon)
     for opening, excuses in _openings():
         if tuple(texts[: len(opening)]) != opening:
@@ -216,6 +218,12 @@ def _use_asked(texts: list[str]) -> bool:
     return not known or advice
 
 
+def _in_sight(texts: list[str]) -> bool:
+    """Whether it is asked what can be seen from somewhere: `can i see the tv from the sofa`."""
+    able = texts[:1] in (["can"], ["could"]) and texts[2:3] == ["see"]
+    return able and "from" in texts
+
+
 def _usable(texts: list[str]) -> bool:
     """Whether things are asked for by what one can do with them: `anything i can use`."""
     for i in range(2, len(texts) - 2):
@@ -247,6 +255,12 @@ def refuse_late(text: str, found: FormalQuery, rest: list[Word], lexicon: Lexico
     for term in found.objects[:1]:
         if stated and stated & {*term.attributes, *term.without} - {"off", "on", "up", "down"}:
             raise _out(text, rest[-1], "It knows no states of things", rest, lexicon)
+    said = [w.text for w in rest if w.text != TIME_GAP]
+    ends = found.ask == "whether" and said[0] in ("is", "are", "was", "were")
+    if ends and (said[-1] in lists["state"] - _NO_STATES or _predicated(found, said, lexicon)):
+        raise _out(text, rest[-1], "It knows no states of things", rest, lexicon)
+    if found.objects and _acted(found.objects[0], lexicon):
+        raise _out(text, rest[-1], "It remembers things, not what became of them", rest, lexicon)
     if len(found.objects) == 2 and found.relation and found.relation.kind == "in":
         content, vessel = (term.category for term in found.objects)
         if content in lists["liquid"] and vessel in lists["vessel"]:
@@ -263,6 +277,23 @@ def refuse_late(text: str, found: FormalQuery, rest: list[Word], lexicon: Lexico
         raise _out(text, rest[-1], "It remembers things, not the doings of people", rest, lexicon)
 
 
+def _predicated(found: FormalQuery, said: list[str], lexicon: Lexicon) -> bool:
+    """Whether the last word is said of the subject: `is the plant on the windowsill healthy`."""
+    ground, _, last = found.objects[-1].word.rpartition(" ") if found.objects else ("", "", "")
+    known = ground in lexicon.nouns or ground in lexicon.places
+    return "there" not in said and last == said[-1] and known and last not in lexicon.heads
+
+
+def _acted(term: ObjectTerm, lexicon: Lexicon) -> bool:
+    """Whether a noun ends in a verb of doing, or starts with a name: `team won`, `anna come`."""
+    first, _, last = term.word.partition(" ")[0], "", term.word.rpartition(" ")[2]
+    if first == last or term.word in lexicon.nouns or last in lexicon.heads:
+        return False
+    return last in doings() or first in lexicon.names
+
+
+_NO_STATES = words_of("on off up down home set made free visible available safe good fine high low")
+"""Words of state that may end a question of a place or of a thing's look."""
 _TIMES = frozenset((*tw.UNITS, *tw.PARTS, *tw.WEEKDAYS, *tw.MONTHS)) - tw.SHY
 _CLOCK_WORDS = words_of("am pm oclock o'clock ago yesterday today tonight")
 

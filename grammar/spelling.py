@@ -17,6 +17,8 @@ from grammar.closed import CLOSED, is_open, words_of
 from grammar.vocabulary import Lexicon, StoreWords, files, inflection, lexicon
 from grammar.words import Word
 
+_ALIKE = [{"b", "p"}, {"d", "t"}, {"g", "k"}, {"f", "v"}, {"s", "z"}, {"c", "k"}, {"m", "n"}]
+"""Letters that sound alike: labtop, pakage."""
 _KEYS = ("qwertyuiop", "asdfghjkl", "zxcvbnm")
 _MIN_LETTERS = 4
 
@@ -88,6 +90,8 @@ def _taken(word: Word, known: frozenset[str], store: StoreWords, lex: Lexicon) -
     text = word.text
     if text in known or len(text) < _MIN_LETTERS or not text.isalpha() or not is_open(text):
         return None
+    if _inflected(text, known):
+        return None
     if lex.singular(text) in known or text in lex.glued or lex.singular(text) in lex.glued:
         return None
     reach = 2 if len(text) >= 8 else 1
@@ -101,6 +105,16 @@ def _taken(word: Word, known: frozenset[str], store: StoreWords, lex: Lexicon) -
         nearest = alike or nearest
     singles = {lex.singular(target) for target in nearest}
     return nearest[0] if len(singles) == 1 else None
+
+
+def _inflected(text: str, known: frozenset[str]) -> bool:
+    """Whether a word is a known one with -ed or -ing: cleaned is no slip of cleaner."""
+    for ending in ("ed", "ing"):
+        stem = text.removesuffix(ending)
+        if stem != text and len(stem) >= _MIN_LETTERS:
+            doubled = stem[:-1] if stem[-1] == stem[-2] else stem
+            return bool({stem, stem + "e", doubled} & known)
+    return False
 
 
 def _nearest(text: str, targets: tuple[str, ...], reach: int) -> list[str]:
@@ -175,7 +189,8 @@ def _is_slip(said: str, meant: str) -> bool:
     if len(said) == len(meant):
         differing = [(a, b) for a, b in zip(said, meant, strict=True) if a != b]
         if len(differing) == 1:
-            return len(said) > _MIN_LETTERS and _beside(*differing[0])
+            near = _beside(*differing[0]) or {*differing[0]} in _ALIKE
+            return len(said) > _MIN_LETTERS and near
         if sorted(said) == sorted(meant):
             return True
         return len(said) >= 8 and _struck_beside(said, meant)

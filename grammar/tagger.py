@@ -256,6 +256,8 @@ class Tagger(RelationTagger):
         if said == "around" and self._last() in ("LEAVE", "SEE"):
             self.i += size
             return True
+        if said == "about" and self.i + 1 == len(self.words) and self.out.tags[0].type == "_WHAT":
+            return False  # what is the book about
         if said == "home" and self._last() in ("DET", "OWNER"):
             return False
         self._emit("HERE", said, size)

@@ -125,7 +125,7 @@ def _things_described(tags: list[Tag]) -> list[Tag]:
 def _predicates(tags: list[Tag]) -> list[Tag]:
     """Tell the attribute that is said of a noun: `is the cup red`."""
     out: list[Tag] = []
-    placed = bool(tags) and tags[0].type in ("_WHERE", "_WHEN", "_SEEK")
+    placed = bool(tags) and tags[0].type in ("_WHERE", "_SEEK")
     for i, tag_ in enumerate(tags):
         if tag_.type == "ATTR" and isinstance(tag_.value, Attribute):
             rest = tags[i:]

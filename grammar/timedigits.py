@@ -12,6 +12,7 @@ _ISO = re.compile(r"(\d{4})[-/.](\d{1,2})[-/.](\d{1,2})(?:t(\d{1,2}):(\d{2})(?::
 _SLASHED = re.compile(r"(\d{1,2})[-/.](\d{1,2})(?:[-/.](\d{4}|\d{2}))?$")
 _NAMED = re.compile(r"(\d{1,2})-([a-z]{3,9})-(\d{2,4})$")
 CLOCK = re.compile(r"(\d{1,2})[:.](\d{2})(?::(\d{2}))?$")
+_LENGTH = re.compile(r"(\d+\.\d+)$|(\d)/(\d)$")
 _MONTH = re.compile(r"(\d{4})[-/](\d{1,2})$|(\d{1,2})/(\d{4})$")
 
 
@@ -44,6 +45,10 @@ class DigitReader:
     # -- written with digits -----------------------------------------------------------------
 
     def _written(self) -> TimeToken | None:
+        if self._at(1) in tw.UNITS and (length := _LENGTH.match(self.word)):
+            count = float(length[1] or 0) + float(length[2] or 0)
+            over = int(length[3]) if length[3] else 1
+            return self._make("COUNT", count / over, 1) if over else None
         if match := _ISO.match(self.word):
             year, month, day, hour, minute, second = (int(g) if g else None for g in match.groups())
             if hour is not None:

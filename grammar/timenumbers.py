@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import re
-
 from grammar import numbers
 from grammar import timewords as tw
 from grammar.closed import is_open
@@ -202,8 +200,6 @@ class NumberReader(DigitReader):
             return self._make("HHMM", (hour, 0, True, 0), whole) if hour < 10 else None
         if self.word == "o" or self.word == "oh":
             return None
-        if re.fullmatch(r"\d+\.\d+", self.word) and self._at(1) in tw.UNITS:
-            return self._make("COUNT", float(self.word), 1)
         number = numbers.cardinal(self.words, self.i)
         if number is None:
             return None
