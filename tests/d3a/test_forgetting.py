@@ -350,3 +350,26 @@ def test_a_plan_is_not_carried_out_on_what_was_written_since() -> None:
     with pytest.raises(StoreConflict, match="an ingest wrote to it"):
         forget(store, plan)
     assert texts(store) == before
+
+
+@pytest.mark.parametrize("cut", [None, 17], ids=["ended", "open"])
+def test_no_document_on_a_server_tells_of_it(mongo_uri: str, cut: int | None) -> None:
+    from pymongo import MongoClient
+
+    with closing(open_store(mongo_uri)) as store:
+        filled(store, "default", cut)
+        (secret,) = ids_of(store, SECRET)
+        (record,) = store.objects(ids=[secret])
+        assert record.embedding is not None
+        look = record.embedding.tobytes()
+        teach_name(store, secret, "heirloom", "zoe")
+        plan = plan_forgetting(store, Selection(object_ids=frozenset({secret})))
+        assert forget(store, plan) is False, "the server frees its space by itself"
+        assert store.check() == []
+    with MongoClient[dict[str, object]](mongo_uri) as client:
+        database = client.get_default_database()
+        names = database.list_collection_names()
+        found = [repr(d) for name in names for d in database[name].find({})]
+    assert any("'cup'" in text for text in found)
+    for trace in (SECRET, "heirloom", "zoe", f"'{secret}'", f'"{secret}"', repr(look)[2:-1]):
+        assert not any(trace in text for text in found), trace
