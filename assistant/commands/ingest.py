@@ -1,55 +1,109 @@
-"""`d3a ingest`: fill a store from a recording."""
+"""`d3a ingest`: fill a store from recordings."""
 
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from assistant.options import failures, opened, settings_of, settings_options, store_name
-from assistant.terminal import clean, is_terminal
+from assistant.config import Settings
+from assistant.exits import ExitCode
+from assistant.intake_report import SCHEMA, progress, summary_json, summary_lines
+from assistant.options import (
+    Failure,
+    failures,
+    opened,
+    settings_of,
+    settings_options,
+    store_name,
+)
+from assistant.terminal import clean, json_line, speaks_unicode
 
 if TYPE_CHECKING:
     from d3a.ingest import IngestSummary
+    from d3a.intake import Intake
+    from d3a.parameters import Parameters
+    from d3a.readers.base import Reader
+    from d3a.store.base import Store
 
-Progress = Callable[[int, int | None], None]
+
+@dataclass(frozen=True, slots=True)
+class Wishes:
+    """What the person wants of the recordings, as it stands on the command line."""
+
+    format_name: str | None = None
+    options: dict[str, str] = field(default_factory=dict)
+    since: str | None = None
+    every: int = 1
+    ignore: tuple[str, ...] = ()
+    off_limits: tuple[str, ...] = ()
+    max_frames: int | None = None
+    assignments: Path | None = None
 
 
 @click.command("ingest")
-@click.argument("source", type=click.Path(path_type=Path))
+@click.argument("sources", nargs=-1, required=True, type=click.Path(path_type=Path))
 @click.option(
     "--format", "format_name", metavar="NAME", help="Reader; by default found by looking."
 )
+@click.option(
+    "--reader",
+    "reader_options",
+    multiple=True,
+    metavar="KEY=VALUE",
+    help="Tell the reader something, such as depth-scale=1000, times=FILE, poses=FILE, site=lab.",
+)
+@click.option(
+    "--topic", "topics", multiple=True, metavar="NAME=TOPIC", help="Which topic of a bag to read."
+)
 @click.option("--profile", default="default", show_default=True, help="default or paper.")
+@click.option("--since", metavar="TIME", help="Leave out frames before this ISO time or date.")
+@click.option("--every", type=click.IntRange(min=1), default=1, help="Take each N-th frame.")
 @click.option("--max-frames", type=click.IntRange(min=1), help="Stop after so many frames.")
 @click.option("--min-probability", type=click.FloatRange(0, 1), help="Leave weaker detections out.")
+@click.option(
+    "--ignore",
+    multiple=True,
+    metavar="CATEGORY",
+    help="Never store these things; they are painted over in pictures. Repeatable.",
+)
+@click.option(
+    "--off-limits",
+    multiple=True,
+    metavar="REGION",
+    help='Never store what is in this region, or polygon "x,y x,y x,y" in metres. Repeatable.',
+)
 @click.option(
     "--assignments",
     type=click.Path(dir_okay=False, path_type=Path),
     help="Write which object each detection became, a JSON object a line.",
 )
+@click.option("--json", "as_json", is_flag=True, help="The summary as one JSON object.")
 @settings_options
 @click.pass_context
 def command(
     context: click.Context,
-    source: Path,
-    format_name: str | None,
+    /,
+    sources: tuple[Path, ...],
+    reader_options: tuple[str, ...],
+    topics: tuple[str, ...],
     profile: str,
-    max_frames: int | None,
     min_probability: float | None,
-    assignments: Path | None,
+    as_json: bool,
+    **wished: Any,
 ) -> None:
-    """Fill the store from the recording SOURCE; doing it twice changes nothing.
+    """Fill the store from the recordings SOURCES; doing it twice changes nothing.
 
-    What is broken in the recording is counted, named and left out.
+    Several are taken in order of time, site by site. What is broken in a recording is counted,
+    named and left out. Status 2 when a recording could not be read; the others are taken in.
     """
-    from d3a.ingest import ingest
     from d3a.parameters import PROFILES
-    from d3a.readers.opening import open_source
+    from d3a.readers.options import key_values
 
     settings = settings_of(context)
     if profile not in PROFILES:
@@ -58,77 +112,137 @@ def command(
     if min_probability is not None:
         parameters = parameters.with_changes(min_probability=min_probability)
     with failures():
-        reader = open_source(source, format=format_name, zone=settings.zone)
-        with opened(settings, create=True) as store, progress(settings.quiet) as on_progress:
+        options = key_values((*reader_options, *(f"topic.{topic}" for topic in topics)))
+    wishes = Wishes(options=options, **wished)
+    if wishes.assignments is not None and len(sources) > 1:
+        raise click.BadParameter("--assignments is of one recording; ingest them one by one")
+    run = _Run(settings, parameters, wishes, as_json=as_json)
+    run.open(sources)
+    run.ingest()
+    context.exit(ExitCode.USAGE if run.failed else ExitCode.OK)
+
+
+class _Run:
+    """One call of the command: opens all recordings, then takes them in one by one."""
+
+    def __init__(
+        self, settings: Settings, parameters: Parameters, wishes: Wishes, *, as_json: bool
+    ) -> None:
+        self._settings = settings
+        self._parameters = parameters
+        self._wishes = wishes
+        self._as_json = as_json
+        self._readers: list[tuple[Path, Reader]] = []
+        self._several = False
+        self.failed: list[dict[str, str]] = []
+
+    def open(self, sources: Sequence[Path]) -> None:
+        """Open what can be read, in order of site and time; a Failure where nothing can."""
+        from d3a.readers.opening import open_source
+
+        self._several = len(sources) > 1
+        found: list[tuple[str, float, int, Path, Reader]] = []
+        for number, source in enumerate(sources):
+            with self._named(source):
+                wishes = self._wishes
+                reader = open_source(
+                    source,
+                    format=wishes.format_name,
+                    zone=self._settings.zone,
+                    options=wishes.options,
+                )
+                first = next(iter(reader), None) if self._several else None
+                start_ms = float("inf") if first is None else first.time_ms
+                found.append((reader.facts.site, start_ms, number, source, reader))
+        self._readers = [(each[3], each[4]) for each in sorted(found, key=lambda each: each[:3])]
+        if not self._readers:
+            raise click.exceptions.Exit(ExitCode.USAGE)
+
+    @contextmanager
+    def _named(self, source: Path) -> Iterator[None]:
+        """Say why a recording failed, and go on where there are others."""
+        from d3a.model import BadInput
+
+        try:
+            yield
+        except BadInput as error:
+            if not self._several:
+                raise Failure(str(error), ExitCode.USAGE) from error
+            self.failed.append({"source": str(source), "problem": str(error)})
+            click.echo(clean(f"d3a: {source}: {error}"), err=True)
+
+    def ingest(self) -> None:
+        """Take the recordings in, and print what came of it."""
+        from d3a.store.opening import mask
+
+        records: list[dict[str, Any]] = []
+        with opened(self._settings, create=True) as store:
+            for source, reader in self._readers:
+                with self._named(source):
+                    summary = self._take(reader, store)
+                    place = {"source": str(source), "recording": reader.facts.name}
+                    place["site"] = reader.facts.site
+                    records.append(place | summary_json(summary))
+                    if not self._as_json:
+                        self._print(source, summary)
+        if self._as_json:
+            record = {"schema": SCHEMA, "store": mask(self._settings.store_uri)}
+            record |= {"recordings": records, "failed": self.failed}
+            click.echo(json_line(record, ascii_only=not speaks_unicode(sys.stdout)))
+        elif not self._settings.quiet:
+            click.echo(f"store: {store_name(self._settings)}", err=True)
+
+    def _take(self, reader: Reader, store: Store) -> IngestSummary:
+        from d3a.ingest import ingest
+
+        wishes, quiet = self._wishes, bool(self._settings.quiet)
+        if not quiet:
+            for note in reader.facts.notes:
+                click.echo(clean(f"note: {note}"), err=True)
+        intake = self._intake(reader)
+        label = reader.facts.name if self._several else ""
+        with progress(quiet, label) as on_progress:
             summary = ingest(
                 reader,
                 store,
-                parameters,
+                self._parameters,
                 on_progress=on_progress,
-                max_frames=max_frames,
-                assignments=assignments,
+                max_frames=wishes.max_frames,
+                assignments=wishes.assignments,
+                intake=intake,
             )
-    click.echo("\n".join(summary_lines(summary)))
-    if not settings.quiet:
-        click.echo(f"store: {store_name(settings)}", err=True)
+        if not summary.already:
+            self._name_unused(intake, summary)
+        return summary
 
+    def _intake(self, reader: Reader) -> Intake:
+        from d3a.intake import Intake, off_limits_of
+        from d3a.readers.clock import Clock
 
-@contextmanager
-def progress(quiet: bool) -> Iterator[Progress | None]:
-    """Give a callback for frames done and their number: a bar, or a line per 10 %."""
-    if quiet:
-        yield None
-    elif is_terminal(sys.stderr):
-        from rich.console import Console
-        from rich.progress import BarColumn, MofNCompleteColumn, Progress, TimeRemainingColumn
+        wishes, since_ms = self._wishes, None
+        if wishes.since is not None:
+            zone = self._settings.zone or reader.facts.zone
+            since_ms = Clock(zone).absolute_ms(wishes.since)
+        return Intake(
+            since_ms,
+            wishes.every,
+            frozenset(wishes.ignore),
+            tuple(off_limits_of(text) for text in wishes.off_limits),
+        )
 
-        columns = (BarColumn(), MofNCompleteColumn(), "frames", TimeRemainingColumn())
-        with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
-            task = bar.add_task("", total=None)
-            yield lambda done, total: bar.update(task, completed=done, total=total)
-    else:
-        yield _TenPercent()
+    def _name_unused(self, intake: Intake, summary: IngestSummary) -> None:
+        """Say which ignored categories nothing was called: a slip would store what should not."""
+        from d3a.preparation import ignored
 
+        seen = {reason.casefold() for reason in summary.skipped.counts}
+        for word in sorted(intake.ignore):
+            if ignored(word).casefold() not in seen:
+                click.echo(
+                    clean(f"note: nothing was called {word!r}, so none is ignored"), err=True
+                )
 
-class _TenPercent:
-    """Prints a line when another tenth of the frames is done; each 1000 where it is unknown."""
-
-    def __init__(self) -> None:
-        self._said = 0
-
-    def __call__(self, done: int, total: int | None) -> None:
-        reached = done * 10 // total if total else done // 1000
-        if reached > self._said:
-            self._said = reached
-            share = f"{reached * 10} %, " if total else ""
-            click.echo(f"{share}{done} frames", err=True)
-
-
-def summary_lines(summary: IngestSummary) -> list[str]:
-    """Return what an ingest did, for a person: what went in, what was left out, how fast."""
-    lines = ["Nothing new: the recording is in the store already."] if summary.already else []
-    lines += [
-        f"frames      {summary.frames}{_resumed(summary)}",
-        f"detections  {summary.detections}",
-        f"objects     {summary.objects}",
-        f"places      {summary.places}",
-        f"skipped     {sum(summary.skipped.counts.values())}",
-    ]
-    for reason, count in sorted(summary.skipped.counts.items()):
-        named = summary.skipped.examples.get(reason, [])
-        examples = ", ".join(named) + (", …" if count > len(named) else "")
-        lines.append(clean(f"  {count} x {reason}" + (f": {examples}" if examples else "")))
-    if summary.forgotten:
-        lines.append(f"forgotten   {summary.forgotten} intervals, older than this store keeps them")
-    seconds = sum(summary.seconds.values())
-    if summary.frames and seconds > 0:
-        stages = ", ".join(f"{stage} {value:.2f} s" for stage, value in summary.seconds.items())
-        frames, detections = summary.frames / seconds, summary.detections / seconds
-        lines.append(f"speed       {frames:.1f} frames/s, {detections:.1f} detections/s ({stages})")
-    return lines
-
-
-def _resumed(summary: IngestSummary) -> str:
-    if summary.already or not summary.already_frames:
-        return ""
-    return f", after {summary.already_frames} that were there already"
+    def _print(self, source: Path, summary: IngestSummary) -> None:
+        if self._several:
+            click.echo(clean(f"{source}"))
+        indent = "  " if self._several else ""
+        click.echo("\n".join(indent + line for line in summary_lines(summary)))

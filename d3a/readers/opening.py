@@ -99,7 +99,7 @@ def format_of(path: Path, format: str | None = None) -> str:  # noqa: A002
         hint = f" Did you mean {near[0]}?" if near else ""
         raise BadInput(f"unknown format {format!r}; there are {', '.join(FORMATS)}.{hint}")
     if "\0" in str(path) or not path.exists():
-        raise BadInput(f"{path} does not exist; a recording is {_looked_for(format)}")
+        raise BadInput(f"{path} does not exist")
     if format is not None:
         if (FORMATS[format].may_be or FORMATS[format].looks_like)(path):
             return format

@@ -1,0 +1,180 @@
+"""`d3a ingest` as a person runs it: options, many recordings, what it prints and its status."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Callable
+from contextlib import closing
+from pathlib import Path
+from typing import Any
+
+import pytest
+from click.testing import CliRunner, Result
+
+from assistant.cli import main
+from assistant.intake_report import Pace, duration
+from d3a.store import open_store
+from tests.worlds.folders import as_recording, as_tum, boxes_file, moments, pictures, write_csv
+
+Run = Callable[..., Result]
+
+
+@pytest.fixture
+def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Run:
+    for name in list(os.environ):
+        if name.startswith("D3A_"):
+            monkeypatch.delenv(name)
+    for name in ("XDG_DATA_HOME", "XDG_CONFIG_HOME", "XDG_CACHE_HOME", "XDG_STATE_HOME"):
+        monkeypatch.setenv(name, str(tmp_path / name))
+    monkeypatch.chdir(tmp_path)
+    return lambda *args: CliRunner().invoke(main, ["ingest", *args, "--store", "s.db"])
+
+
+def summary_of(result: Result) -> dict[str, Any]:
+    assert result.exit_code in (0, 2), result.output
+    record: dict[str, Any] = json.loads(result.stdout)
+    assert record["schema"] == 1
+    return record
+
+
+def later(folder: Path, year: str) -> Path:
+    """The small recording, made in another year and under another name."""
+    as_recording(folder)
+    text = (folder / "frames.jsonl").read_text().replace('"time": "2020-', f'"time": "{year}-')
+    (folder / "frames.jsonl").write_text(text)
+    facts = json.loads((folder / "recording.json").read_text()) | {"recording": folder.name}
+    (folder / "recording.json").write_text(json.dumps(facts))
+    return folder
+
+
+def test_the_summary_is_json_too(run: Run, tmp_path: Path) -> None:
+    as_recording(tmp_path / "r")
+    record = summary_of(run("r", "--json", "--every", "2", "--ignore", "bowl", "-q"))
+    (one,) = record["recordings"]
+    assert record["store"] == "s.db"
+    assert (one["source"], one["recording"], one["site"]) == ("r", "same", "lab")
+    assert (one["frames"], one["detections"], one["objects"]) == (4, 4, 1)
+    assert [(s["reason"], s["count"]) for s in one["skipped"]] == [
+        ("frame between those to take (--every)", 4)
+    ]
+    assert summary_of(run("r", "--json", "--every", "2", "--ignore", "bowl"))["recordings"][0][
+        "already"
+    ]
+    refused = run("r", "--every", "3")
+    assert refused.exit_code == 2
+    assert "every 2, not 3" in refused.stderr
+
+
+def test_since_takes_a_date_in_the_recordings_zone(run: Run, tmp_path: Path) -> None:
+    as_recording(tmp_path / "r")
+    result = run("r", "--since", moments()[5].iso, "--json", "-q")
+    assert summary_of(result)["recordings"][0]["frames"] == 3
+    assert run("r", "--since", "soon").exit_code == 2
+    (tmp_path / "s.db").unlink()
+    assert summary_of(run("r", "--since", "2020-09-14", "--json"))["recordings"][0]["frames"] == 0
+
+
+def test_an_ignored_word_that_nothing_was_called_is_said(run: Run, tmp_path: Path) -> None:
+    as_recording(tmp_path / "r")
+    result = run("r", "--ignore", "persn", "--ignore", "Cup")
+    assert result.exit_code == 0
+    assert "nothing was called 'persn'" in result.stderr
+    assert "'cup'" not in result.stderr
+    assert "8 x ignored: cup" in result.stdout
+
+
+def test_off_limits_is_a_region_or_a_polygon(run: Run, tmp_path: Path) -> None:
+    as_recording(tmp_path / "r")
+    result = run("r", "--off-limits", "bathroom")
+    assert result.exit_code == 2
+    assert "no region 'bathroom'" in result.stderr
+    result = run("r", "--off-limits", "-1,-1 0.35,-1 0.35,1 -1,1")
+    assert result.exit_code == 0
+    assert "4 x frame taken in an off-limits place" in result.stdout
+    assert run("r", "--off-limits", "0,0 1,1").exit_code == 2
+
+
+def test_reader_options_reach_the_reader(run: Run, tmp_path: Path) -> None:
+    as_tum(tmp_path / "t", 1000.0)
+    result = run("t", "--reader", "depth-scale=1000", "--reader", "site=flat", "--zone", "UTC")
+    assert result.exit_code == 0, result.output
+    with closing(open_store("s.db")) as store:
+        (recording,) = store.recordings()
+        assert (recording.name, recording.site, recording.zone) == ("t", "flat", "UTC")
+        assert all(2.0 < (s.position or (0, 0, 0))[2] < 3.2 for s in store.stays())
+    for wrong, said in (
+        ("depth_skale=1", "Did you mean depth-scale"),
+        ("depth-scale", "KEY=VALUE"),
+        ("site=", "KEY=VALUE"),
+    ):
+        result = run("t", "--reader", wrong)
+        assert result.exit_code == 2
+        assert said in result.stderr
+    twice = run("t", "--reader", "site=a", "--reader", "site=b")
+    assert "given twice" in twice.stderr
+    topic = run("t", "--topic", "image=/camera/rgb")
+    assert "no option 'topic.image'" in topic.stderr
+
+
+def test_several_recordings_go_in_by_time(run: Run, tmp_path: Path) -> None:
+    names = ["c", "a", "b"]
+    for name, year in zip(names, ("2022", "2020", "2021"), strict=True):
+        later(tmp_path / name, year)
+    record = summary_of(run(*names, "--json"))
+    assert [r["source"] for r in record["recordings"]] == ["a", "b", "c"]
+    assert [r["frames"] for r in record["recordings"]] == [8, 8, 8]
+    one_by_one = CliRunner()
+    for name in ("a", "b", "c"):
+        result = one_by_one.invoke(main, ["ingest", name, "--store", "one.db", "-q"])
+        assert result.exit_code == 0
+    with closing(open_store("s.db")) as together, closing(open_store("one.db")) as apart:
+        assert list(together.dump()) == list(apart.dump())
+    again = run(*names)
+    assert again.stdout.count("Nothing new") == 3
+    assert again.exit_code == 0
+
+
+def test_a_recording_that_cannot_be_read_does_not_stop_the_others(run: Run, tmp_path: Path) -> None:
+    later(tmp_path / "a", "2020")
+    later(tmp_path / "empty", "2021")
+    (tmp_path / "empty" / "frames.jsonl").write_text("")
+    result = run("none", "a", "empty", "--json")
+    record = summary_of(result)
+    assert result.exit_code == 2
+    assert [r["source"] for r in record["recordings"]] == ["a"]
+    assert [f["source"] for f in record["failed"]] == ["none", "empty"]
+    assert "none does not exist" in result.stderr
+    assert "no frame to read" in result.stderr
+    (tmp_path / "s.db").unlink()
+    assert run("none", "nowhere").exit_code == 2
+    assert not (tmp_path / "s.db").exists()
+    assert run("a", "b", "--assignments", "x.jsonl").exit_code == 2
+
+
+def test_pictures_alone_need_a_detector(run: Run, tmp_path: Path) -> None:
+    folder = tmp_path / "p"
+    pictures(folder)
+    write_csv(folder / "times.csv", ("file", "time"), [(m.name, m.iso) for m in moments()])
+    result = run("p")
+    assert result.exit_code == 2
+    assert "--detector model.onnx" in result.stderr
+    assert "detections.jsonl" in result.stderr
+    boxes_file(folder)
+    assert run("p").exit_code == 0
+
+
+def test_the_pace_is_that_of_this_run() -> None:
+    now = iter([10.0, 12.0, 14.0, 14.0])
+    pace = Pace(lambda: next(now))
+    assert pace.said(100, 1000) == ""
+    assert pace.said(120, 1000) == "10.0 frames/s, 88 s left"
+    assert pace.said(1000, 1000) == "225.0 frames/s"
+    assert pace.said(1000, None) == "225.0 frames/s"
+
+
+@pytest.mark.parametrize(
+    ("seconds", "said"), [(0.4, "0 s"), (89, "89 s"), (100, "2 min"), (7500, "2 h 5 min")]
+)
+def test_a_duration_is_said(seconds: float, said: str) -> None:
+    assert duration(seconds) == said
