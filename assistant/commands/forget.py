@@ -156,10 +156,15 @@ def _carry_out(
 ) -> bool | None:
     from d3a.forgetting import forget
     from d3a.retention import set_retention
+    from d3a.store.base import StoreConflict
 
+    try:
+        scrubbed = None if plan is None or plan.is_empty else forget(store, plan)
+    except StoreConflict as error:
+        raise Failure(f"{error}; nothing was forgotten: run it again", ExitCode.STORE) from error
     if sets_policy:
         set_retention(store, seconds)
-    return None if plan is None or plan.is_empty else forget(store, plan)
+    return scrubbed
 
 
 def _tell(

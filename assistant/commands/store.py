@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Callable
 from datetime import UTC, datetime, timedelta, tzinfo
 from typing import TYPE_CHECKING
 
@@ -46,7 +47,7 @@ def copy(context: click.Context, source: str, target: str, as_json: bool) -> Non
             copied = open_store(target)
             try:
                 told = None if settings.quiet or not is_terminal(sys.stderr) else _say_copied
-                counts = copy_store(origin, copied, progress=told)
+                counts = _copied(copy_store, origin, copied, told)
             finally:
                 copied.close()
         finally:
@@ -57,6 +58,28 @@ def copy(context: click.Context, source: str, target: str, as_json: bool) -> Non
     else:
         click.echo(f"{clean(mask(target))} is equal to {clean(mask(source))}:")
         click.echo("\n".join(_count_lines(counts)))
+
+
+def _copied(
+    copy_store: Callable[..., Json],
+    origin: Store,
+    target: Store,
+    told: Callable[[int], None] | None,
+) -> Json:
+    """Copy, and say that a target which was cut short is of no use."""
+    from d3a.store.base import StoreError, StoreRefused
+
+    try:
+        return copy_store(origin, target, progress=told)
+    except StoreRefused:
+        raise  # nothing was written
+    except StoreError as error:
+        raise StoreError(
+            f"{error}; {target.uri} is not whole: delete it, and copy again"
+        ) from error
+    finally:
+        if told is not None:
+            click.echo(err=True)
 
 
 def _say_copied(records: int) -> None:

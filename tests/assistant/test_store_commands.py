@@ -18,7 +18,7 @@ from click.testing import CliRunner, Result
 from assistant.cli import main
 from assistant.commands import forget
 from d3a.store import open_store
-from d3a.store.base import Batch
+from d3a.store.base import Batch, Store, StoreConflict, StoreError
 from tests.worlds import small_home
 
 Run = Callable[..., Result]
@@ -221,3 +221,21 @@ def test_exports_are_written_once(run: Run) -> None:
     assert filled.exit_code == 0, filled.output
     assert "detections  5\n" in filled.stdout
     assert "1 x time runs backwards or stands still" in filled.stdout, "cup and bowl at one moment"
+
+
+def test_what_fails_half_way_says_what_to_do(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    def conflict(store: Store, plan: object) -> bool:
+        raise StoreConflict(f"{store.uri}: an ingest wrote to it meanwhile")
+
+    monkeypatch.setattr("d3a.forgetting.forget", conflict)
+    result = run("forget", "cup", *HOME, "--yes")
+    assert result.exit_code == 3
+    assert "nothing was forgotten: run it again" in result.stderr
+
+    def torn(source: Store, target: Store) -> None:
+        raise StoreError(f"{target.uri} is not equal to {source.uri}")
+
+    monkeypatch.setattr("d3a.store.copy._verify", torn)
+    result = run("store", "copy", "home.db", "torn.db")
+    assert result.exit_code == 3
+    assert "torn.db is not whole: delete it, and copy again" in result.stderr
