@@ -45,6 +45,7 @@ class Recall:
         self.outside = outside
         """How many objects the store holds that the memory does not."""
         self._complete: set[Cell] = set()
+        self._wanted: set[str] = set()
 
     # to the store
     def write(self) -> None:
@@ -120,20 +121,25 @@ class Recall:
 
     def forget_all(self) -> None:
         """Empty the memory; everything in it is written."""
+        self._wanted.clear()
         for thing in list(self._memory.things.values()):
             self._memory.remove(thing)
             self.outside += 1
         self._complete.clear()
 
-    def refetch(self, ids: Collection[str], gained: int) -> list[Known]:
-        """Forget objects that the store has otherwise now; they come back when they are looked at.
+    def refetch(self, before: Collection[str], after: Collection[str]) -> list[Known]:
+        """Forget objects that the store has otherwise now; what they became comes back at once.
 
-        gained: how many objects more the store has. All of them were written. Returns them.
+        before, after: ids. All of the memory is written. Returns what was forgotten.
         """
+        ids = {*before, *after}
         gone = [t for t in self._memory.things.values() if t.object_id in ids]
         for thing in gone:
             self._memory.remove(thing)
-        self.outside += len(gone) + max(0, gained)  # too many costs a look into the store
+        if gone:
+            self._wanted = (self._wanted - ids) | set(after)
+        # One too many costs a look into the store, one too few would hide things.
+        self.outside += len(gone) + max(0, len(after) - len(before))
         self._complete.clear()
         return gone
 
@@ -153,7 +159,7 @@ class Recall:
         """
         if self.outside == 0:
             return
-        ids: set[str] = set()
+        ids, self._wanted = self._wanted, set()
         for cell in self._missing(places, reach_m):
             if cell is None:
                 found = [stay for stay in self._ledger.stays() if stay.position is None]
@@ -242,13 +248,19 @@ class Recall:
     def to_state(self) -> Json:
         """Return what is fetched already, as JSON."""
         squares = sorted(cell for cell in self._complete if cell is not None)
-        return {"cells": squares, "nowhere": None in self._complete, "outside": self.outside}
+        return {
+            "cells": squares,
+            "nowhere": None in self._complete,
+            "outside": self.outside,
+            "wanted": sorted(self._wanted),
+        }
 
     def restore(self, record: Json) -> None:
         """Go on where `to_state` was called."""
         self._complete = {(x, y) for x, y in record["cells"]}
         self._complete |= {None} if record["nowhere"] else set()
         self.outside = record["outside"]
+        self._wanted = set(record["wanted"])
 
 
 def is_histogram(model: str | None) -> bool:

@@ -154,13 +154,15 @@ class DatabaseFilter:
         """Merge by weighted average, the third aggregation; a weight is a sum (appendix)."""
         mean = weighted_look(record.embedding, record.weight, look, entry.weight)
         weight = record.weight + entry.weight
+        votes = dict(record.categories)  # of one category, but for what a person made one
+        votes[entry.category] = votes.get(entry.category, 0.0) + entry.weight
         self._ledger.put_object(
             replace(
                 record,
                 weight=weight,
                 first_ms=min(record.first_ms, entry.first_ms),
                 last_ms=max(record.last_ms, entry.last_ms),
-                categories=((record.category, weight),),
+                categories=tuple(sorted(votes.items(), key=lambda vote: (-vote[1], vote[0]))),
                 embedding=None if mean is None else unit(mean),
                 embedding_model=None if mean is None else self._stored.embedding_model,
             )

@@ -230,8 +230,7 @@ class TrackerPipeline:
         """Take in what people changed in the store; all of the memory is written."""
         if not changed.before | changed.after:
             return
-        gained = len(changed.after) - len(changed.before)
-        for gone in self._recall.refetch(changed.before | changed.after, gained):
+        for gone in self._recall.refetch(changed.before, changed.after):
             self._encounters.forget(gone.object_id)
             self._absence.forget(gone)
             self._moves.compared.discard(gone.number)
