@@ -6,7 +6,7 @@ from grammar.clauses import ClauseTagger
 from grammar.closed import is_open, words_of
 from grammar.cursor import DETERMINERS, OWNED, OWNERS, TIME_GAP
 from grammar.nouns import Attribute, Noun
-from grammar.phrases import phrases, place_follows
+from grammar.phrases import BARE_PLACES, phrases, place_follows
 
 KIN = words_of(
     "wife husband mom mum mother dad father son daughter brother sister grandma grandpa "
@@ -18,7 +18,6 @@ KIN = words_of(
 _MEASURES = words_of("piece pair set bunch pack stack pile roll kind type sort group collection")
 _PLACE_WORDS = words_of("in at inside from within into to around of throughout across on")
 _ON_PLACES = frozenset(("balcony", "terrace", "porch", "upstairs", "downstairs"))
-_BARE_PLACES = frozenset(("upstairs", "downstairs", "outside", "outdoors"))
 PEOPLE = KIN | words_of("kid child guest visitor boy girl man woman baby person dog cat")
 
 
@@ -47,7 +46,7 @@ class NounTagger(ClauseTagger):
         preposition = self._text(k)
         if self._last() == "AUX" and self._place_has():
             return True
-        if preposition in _BARE_PLACES and not self._open_at(k + 1):
+        if preposition in BARE_PLACES and not self._open_at(k + 1):
             self._emit("AT_PLACE", preposition, 1)
             return True
         if preposition not in _PLACE_WORDS:
@@ -104,7 +103,8 @@ class NounTagger(ClauseTagger):
                 self.out.negated = True
                 self.i += 1
             return True
-        if text not in ("no", "never", "nothing", "nowhere", "none"):
+        lost = text == "nowhere" and self._text(self.i + 1) == "to"  # nowhere to be found
+        if lost or text not in ("no", "never", "nothing", "nowhere", "none"):
             return False
         self.out.negated = True
         if text in ("nothing", "none"):

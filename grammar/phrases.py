@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import lru_cache
 
-from grammar.closed import words_of
+from grammar.closed import is_open, words_of
 from grammar.vocabulary import files
 from grammar.words import Word
 
@@ -20,7 +20,8 @@ SUBJECT_OF = words_of(
 )
 """Words before what a book, a jar or a picture is about: that names no other thing."""
 VERBAL = ("SEE", "LEAVE", "FINDS", "GO", "MOVED", "MISSING")
-_CUTTING = ("GO", "_MADE_OF", "_EXCEPT", "SIDE_BY_SIDE", "MISSING", "usual", "HERE")
+_CUTTING = ("GO", "MOVED", "_MADE_OF", "_EXCEPT", "SIDE_BY_SIDE", "MISSING", "usual", "HERE")
+BARE_PLACES = frozenset(("upstairs", "downstairs", "outside", "outdoors"))
 _BEING = frozenset(("is", "are", "was", "were", "been"))
 _PREPOSITIONS = frozenset(("in", "at", "inside", "within", "throughout", "on"))
 _ADVERBS = frozenset(("right", "directly", "immediately", "straight", "still", "just", "usually"))
@@ -79,6 +80,8 @@ def breaks(words: list[Word], k: int) -> bool:
         return False  # is the lamp stand here: a noun
     if text in known.breakers:
         return True
+    if text in BARE_PLACES and (k + 1 == len(words) or not is_open(words[k + 1].text)):
+        return True  # is my phone upstairs
     for parts, terminal in known.by_first.get(text, ()):
         cuts = terminal.startswith("REL") or terminal in _CUTTING
         if cuts and [w.text for w in words[k : k + len(parts)]] == [*parts]:

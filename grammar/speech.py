@@ -11,7 +11,7 @@ from grammar import numbers, timespan
 from grammar import timewords as tw
 from grammar.closed import is_open, words_of
 from grammar.corrections import corrected
-from grammar.phrases import asks_at_start
+from grammar.phrases import asks_at_start, phrases
 from grammar.sayings import AUXILIARIES, QUESTION_STARTS, QUESTION_WORDS, sections
 from grammar.vocabulary import Lexicon
 from grammar.words import Word
@@ -115,7 +115,20 @@ def plain(words: list[Word], lexicon: Lexicon) -> list[Word]:
     words = _heard(_without_fillers(words))
     words = corrected(words, lexicon)
     words = _without_stutter(_without_false_starts(words))
-    return _located(_closed(_opened(words)))
+    return _located(_closed(_without_thought(_opened(words))))
+
+
+def _without_thought(words: list[Word]) -> list[Word]:
+    """Take out who thinks or says it: `where do you think my keys are`."""
+    said = tuple(w.text for w in words[1:4])
+    thought = len(said) == 3 and said[:2] in _THINKING and said[2] in _THOUGHTS
+    if words and words[0].text in QUESTION_WORDS and thought and len(words) > 5:
+        return [words[0], *words[4:]]
+    return words
+
+
+_THINKING = (("do", "you"), ("did", "you"), ("did", "i"), ("would", "you"))
+_THOUGHTS = words_of("think believe reckon guess suppose say tell")
 
 
 def _located(words: list[Word]) -> list[Word]:
@@ -277,22 +290,35 @@ def _clause_follows(words: list[Word], i: int) -> bool:
 def _closed(words: list[Word]) -> list[Word]:
     """Take politeness and tags off the end."""
     suffix = sections()["suffix"]
+    told = False
     while words:
         if words[-1].text in (",", "-"):
             words = words[:-1]
             continue
         count = suffix.ending(words)
         if not count or count >= len(words):
-            return words
+            break
         if words[-count].text in ("is", "was", "did", "have", "are", "were", "does") and not _tag(
             words, count
         ):
             return words
+        told = told or words[-count].text in (*_ASKING_TAGS, *AUXILIARIES)
         words = words[:-count]
+    stated = words and words[0].text not in (*QUESTION_STARTS, *QUESTION_WORDS, SEEK)
+    if told and stated and any(_verbal(w.text) for w in words):
+        return [replace(words[0], text="whether"), *words]  # the cup is on the table, isn't it
     return words
+
+
+_ASKING_TAGS = ("right", "correct", "yes", "no")
+
+
+def _verbal(text: str) -> bool:
+    """Whether a word may be the verb of a statement: was, saw, left."""
+    return text in AUXILIARIES or text in phrases().verbs
 
 
 def _tag(words: list[Word], count: int) -> bool:
     """Whether an auxiliary and a pronoun at the end are a tag (`, isn't it`), no clause."""
     rest = words[:-count]
-    return (len(rest) >= 3 and any(w.text in AUXILIARIES for w in rest)) or rest[-1].text == ","
+    return (len(rest) >= 3 and any(_verbal(w.text) for w in rest)) or rest[-1].text == ","
