@@ -1,4 +1,4 @@
-"""`d3a doctor`: what this terminal, this machine and this store can do."""
+"""`d3a doctor`: what this terminal, this machine and this store can do; or what a recording has."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import platform
 import sys
 from collections.abc import Iterator, Mapping
 from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
 
 import click
 
@@ -14,6 +15,7 @@ from assistant.config import Settings, machine_zone, user_file
 from assistant.exits import ExitCode
 from assistant.options import (
     Failure,
+    failures,
     opened,
     settings_of,
     settings_options,
@@ -27,15 +29,44 @@ LIBRARIES = ("numpy", "lark", "rapidfuzz", "textual", "rich", "pillow", "pymongo
 
 
 @click.command("doctor")
+@click.argument("source", required=False, type=click.Path(path_type=Path))
 @click.option("--json", "as_json", is_flag=True, help="One JSON object.")
+@click.option(
+    "--format", "format_name", metavar="NAME", help="Reader of SOURCE; by default by looking."
+)
+@click.option(
+    "--reader",
+    "reader_options",
+    multiple=True,
+    metavar="KEY=VALUE",
+    help="Tell the reader of SOURCE something, as for ingest.",
+)
+@click.option(
+    "--topic", "topics", multiple=True, metavar="NAME=TOPIC", help="Which topic of a bag to read."
+)
 @settings_options
 @click.pass_context
-def command(context: click.Context, as_json: bool) -> None:
-    """Check the terminal, the time zone, the store and the versions.
+def command(
+    context: click.Context,
+    /,
+    source: Path | None,
+    as_json: bool,
+    format_name: str | None,
+    reader_options: tuple[str, ...],
+    topics: tuple[str, ...],
+) -> None:
+    """Check the terminal, the time zone, the store and the versions; or the recording SOURCE.
 
-    Status 3 when the store cannot be opened or is damaged.
+    Without SOURCE, status 3 when the store cannot be opened or is damaged. With SOURCE nothing is
+    stored: it says what the recording holds, what is missing and what that costs. Status 1 when
+    it needs something more before it can be ingested, 2 when it cannot be read.
     """
     settings = settings_of(context)
+    if source is not None:
+        told = (*reader_options, *(f"topic.{topic}" for topic in topics))
+        context.exit(examine(settings, source, format_name, told, as_json=as_json))
+    if format_name is not None or reader_options or topics:
+        raise click.UsageError("--format, --reader and --topic are of a recording: name one.")
     status, store = store_findings(settings)
     record: dict[str, object] = {
         "schema": SCHEMA,
@@ -50,6 +81,35 @@ def command(context: click.Context, as_json: bool) -> None:
         for line in lines(record):
             click.echo(clean(line))
     context.exit(status)
+
+
+def examine(
+    settings: Settings,
+    source: Path,
+    format_name: str | None,
+    told: tuple[str, ...],
+    *,
+    as_json: bool,
+) -> ExitCode:
+    """Print what a recording holds and lacks; return the status."""
+    from assistant import survey_report
+    from d3a import survey
+    from d3a.readers.opening import format_of, open_source
+    from d3a.readers.options import key_values
+
+    with failures():
+        name = format_of(source, format_name)
+        reader = open_source(source, format=name, zone=settings.zone, options=key_values(told))
+        found = survey.survey(reader)
+    is_ready = not any(lack.needed for lack in survey.lacks(found))
+    if as_json:
+        record = {"schema": SCHEMA, "source": str(source), "format": name, "ready": is_ready}
+        record |= survey.to_json(found)
+        click.echo(json_line(record, ascii_only=not speaks_unicode(sys.stdout)))
+    else:
+        for line in survey_report.lines(found, str(source), name):
+            click.echo(clean(line))
+    return ExitCode.OK if is_ready else ExitCode.NOTHING
 
 
 def lines(record: Mapping[str, object], indent: str = "") -> Iterator[str]:

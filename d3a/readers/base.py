@@ -94,6 +94,13 @@ class Stream:
     last_ms: int | None = None
     longest_gap_s: float | None = None
 
+    @property
+    def rate_hz(self) -> float | None:
+        """How many a second on average, None where that cannot be told."""
+        if self.first_ms is None or self.last_ms is None or self.last_ms <= self.first_ms:
+            return None
+        return (self.count - 1) * 1000 / (self.last_ms - self.first_ms)
+
     @classmethod
     def of(cls, name: str, kind: str, times_ms: Sequence[int]) -> Stream:
         """Return the stream of these times, in any order."""

@@ -71,7 +71,7 @@ class Beside:
             track = read_track(self.poses, options.clock(), Skipped())
             yield Stream.of(self.poses.name, "poses", track.times)
         if self.detections is not None:
-            yield Stream(self.detections.name, "detections", _line_count(self.detections))
+            yield Stream(self.detections.name, "detections", line_count(self.detections))
 
 
 @dataclass(frozen=True, slots=True)
@@ -126,7 +126,8 @@ def undated(notes: Sequence[str], *, is_undated: bool) -> tuple[str, ...]:
     return (*notes, UNDATED_NOTE) if is_undated else tuple(notes)
 
 
-def _line_count(path: Path) -> int:
+def line_count(path: Path) -> int:
+    """Return how many lines say something, without the heading of a `.csv`."""
     with path.open("rb") as lines:
         count = sum(1 for line in lines if line.strip())
     return max(count - 1, 0) if path.suffix.lower() == ".csv" else count

@@ -7,12 +7,13 @@ picture of frame N. Columns of the annotators (gt_*) are never read.
 from __future__ import annotations
 
 import csv
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 
 from d3a.model import BadInput, Detection, Frame
 from d3a.readers import parsing
-from d3a.readers.base import RecordingFacts, Skipped
+from d3a.readers.base import Link, RecordingFacts, Skipped, Stream
 
 TABLE = "detections.csv"
 PICTURES = "images"
@@ -82,6 +83,22 @@ class KuriReader:
                 image=parsing.existing(picture_path, self.skipped, f"{name}.jpg"),
                 detections=rows.take(name),
             )
+
+    def streams(self) -> Sequence[Stream]:
+        """Return the table and the folder of pictures."""
+        times: list[int] = []
+        for _, row in self._rows:
+            with suppress(BadInput):  # it is counted where the frames are read
+                times.append(parsing.time_ms(row["timestamp"]))
+        pictures = sum(1 for each in (self._folder / PICTURES).iterdir() if each.suffix == ".jpg")
+        return [
+            Stream.of(TABLE, "detections", times),
+            Stream(f"{PICTURES}/", "pictures", pictures),
+        ]
+
+    def links(self) -> Sequence[Link]:
+        """Return nothing: the sample has no poses."""
+        return ()
 
     def _detection(self, number: int, row: Mapping[str, str], where: str) -> Detection:
         box = [parsing.number(row[column], column) for column in ("x1", "y1", "x2", "y2")]

@@ -8,7 +8,8 @@ metres); `camera-intrinsics.txt` (3 x 3); `frames.csv` (frame, seconds); optiona
 from __future__ import annotations
 
 import csv
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -18,7 +19,8 @@ from d3a import images
 from d3a.geometry import quaternion
 from d3a.model import BadInput, Camera, Detection, Frame, Pose
 from d3a.readers import parsing
-from d3a.readers.base import RecordingFacts, Skipped
+from d3a.readers.base import Link, RecordingFacts, Skipped, Stream
+from d3a.readers.beside import line_count
 
 FRAMES = "frames.csv"
 INTRINSICS = "camera-intrinsics.txt"
@@ -54,7 +56,28 @@ class PosedReader:
             zone=parsing.zone_of(zone),
             frames=len(self._table),
             min_probability=USUAL_PROBABILITY,
+            notes=("seconds count from an unknown start: put at 1 January 2000",)
+            if any(seconds < UNIX_FROM_S for seconds in self._seconds())
+            else (),
         )
+
+    def _seconds(self) -> Iterator[float]:
+        for _, record in self._table:
+            with suppress(BadInput):  # it is counted where the frames are read
+                yield parsing.number(record["seconds"], "seconds")
+
+    def streams(self) -> Sequence[Stream]:
+        """Return the table of frames with its times, and the boxes where there are any."""
+        start = EPOCH.timestamp()
+        times = [round((s + (0 if s >= UNIX_FROM_S else start)) * 1000) for s in self._seconds()]
+        found = [Stream.of(FRAMES, "frames listed", times)]
+        if (self._folder / DETECTIONS).is_file():
+            found.append(Stream(DETECTIONS, "detections", line_count(self._folder / DETECTIONS)))
+        return found
+
+    def links(self) -> Sequence[Link]:
+        """Return nothing: poses are the camera's in the map."""
+        return ()
 
     def _read_table(self) -> list[tuple[int, dict[str, str]]]:
         with (self._folder / FRAMES).open(encoding="utf-8", errors="replace", newline="") as lines:

@@ -7,7 +7,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +18,7 @@ from numpy.typing import NDArray
 from d3a.images import unit
 from d3a.model import BadInput, Camera, Detection, Frame, Json, Pose
 from d3a.readers import parsing
-from d3a.readers.base import RecordingFacts, Regions, Skipped
+from d3a.readers.base import Link, RecordingFacts, Regions, Skipped, Stream
 
 FACTS = "recording.json"
 FRAMES = "frames.jsonl"
@@ -99,6 +100,24 @@ class RecordingReader:
                 yield frame
         if rows is not None:
             rows.count_left(self.skipped)
+
+    def streams(self) -> Sequence[Stream]:
+        """Return the files of the folder, the frames with their times."""
+        times: list[int] = []
+        for _, record in parsing.json_lines(self._folder / FRAMES, Skipped()):
+            with suppress(BadInput):  # it is counted where the frames are read
+                times.append(parsing.time_ms(record.get("time")))
+        found = [Stream.of(FRAMES, "frames listed", times)]
+        if (self._folder / DETECTIONS).is_file():
+            found.append(Stream(DETECTIONS, "detections", _line_count(self._folder / DETECTIONS)))
+        embeddings = self._embeddings()
+        if embeddings is not None:
+            found.append(Stream(EMBEDDINGS, "embeddings", len(embeddings)))
+        return found
+
+    def links(self) -> Sequence[Link]:
+        """Return nothing: poses are the camera's in the map."""
+        return ()
 
     def _frame(self, record: Json, rows: parsing.Rows | None) -> Frame:
         name = parsing.frame_name(record.get("frame"))
