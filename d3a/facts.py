@@ -73,6 +73,11 @@ def _known(_store: weakref.ref[Store], _revision: tuple[int, int]) -> _Known:
     return _Known()
 
 
+def forget() -> None:
+    """Forget what was read of any store: to measure a question that reads everything anew."""
+    _known.cache_clear()
+
+
 class Facts:
     """A view of the store for the length of one question; a later one sees later writes.
 

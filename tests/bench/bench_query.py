@@ -1,29 +1,38 @@
 """Measure whole questions in process: parse, plan, execute, rank and reply.
 
     python -m tests.bench.bench_query [STORE] [--hours 3] [--rounds 5] [--seed 0]
+        [--batch 10000] [--naive]
 
 Without a store, a simulated world of so many hours is written and ingested first. Prints median
 and 95th percentile in ms over all questions and rounds, the slowest questions, and how many
-questions a second a batch answers.
+questions a second a batch answers. --naive fills a second store of the same world, in which every
+detection is an object (the paper's Naive, with every index that ours has), and prints how much
+longer retrieval and ranking of all keyframes take on it at the rung Category.
 """
 
 from __future__ import annotations
 
 import argparse
+import os
 import sys
 import tempfile
 import time
-from collections.abc import Iterator
-from contextlib import closing, contextmanager
+from contextlib import closing
 from datetime import datetime
 from pathlib import Path
 
 import numpy as np
 
-from assistant.asking import ask, store_now
+from assistant.asking import ask, read_question, store_now, store_parameters
 from assistant.batch import run
+from assistant.evaluation.asking_stores import EVERYTHING, RETRIEVING
+from assistant.lexicon import VocabularyLexicon
+from d3a.baselines import fill_naive
+from d3a.execute import execute
+from d3a.facts import Facts, forget
 from d3a.ingest import ingest
 from d3a.parameters import DEFAULT
+from d3a.plan import Plan, plan
 from d3a.readers.opening import open_source
 from d3a.simulate import simulate
 from d3a.store import open_store
@@ -53,6 +62,18 @@ QUESTIONS = (
 )
 
 
+COMPARED = (
+    "Where is the cup?",
+    "Did you see a red cup?",
+    "Where did you last see the laptop?",
+    "When did you first see the couch?",
+    "Did you see a bowl between 9:30 and 10:30 this morning?",
+    "Where was the bottle this morning?",
+    "Did you see a cup with a bowl?",
+    "When were the bottle and the cup seen together?",
+)
+
+
 def main() -> None:
     """Print the latencies."""
     options = argparse.ArgumentParser(description=__doc__)
@@ -60,26 +81,26 @@ def main() -> None:
     options.add_argument("--hours", type=float, default=3.0)
     options.add_argument("--rounds", type=int, default=5)
     options.add_argument("--seed", type=int, default=0)
+    options.add_argument("--batch", type=int, default=10_000, help="questions of the batch")
+    options.add_argument("--naive", action="store_true")
     given = options.parse_args()
-    with _store(given.store, given.hours, given.seed) as store:
-        measure(store, given.rounds)
-
-
-@contextmanager
-def _store(uri: str | None, hours: float, seed: int) -> Iterator[Store]:
-    if uri is not None:
-        with closing(open_store(uri, create=False)) as store:
-            yield store
+    if given.store is not None:
+        with closing(open_store(given.store, create=False)) as store:
+            measure(store, given.rounds, given.batch)
         return
     with tempfile.TemporaryDirectory() as folder:
         world = Path(folder) / "world"
-        simulate(world, hours=hours, seed=seed, depth=False)
+        simulate(world, hours=given.hours, seed=given.seed, depth=False)
         with closing(open_store(str(Path(folder) / "world.db"))) as store:
             ingest(open_source(world), store, DEFAULT)
-            yield store
+            measure(store, given.rounds, given.batch)
+            if given.naive:
+                with closing(open_store(str(Path(folder) / "naive.db"))) as naive:
+                    fill_naive(open_source(world), naive)
+                    against_naive(store, naive, given.rounds)
 
 
-def measure(store: Store, rounds: int) -> None:
+def measure(store: Store, rounds: int, batch: int) -> None:
     """Ask every question so many times and print what it took."""
     counts = store.counts()
     say(
@@ -108,9 +129,51 @@ def measure(store: Store, rounds: int) -> None:
     say(f"of the processor alone: median {median:.2f} ms, p95 {p95:.2f} ms")
     for question, times in sorted(spent.items(), key=lambda item: -float(np.median(item[1]))):
         say(f"  {np.median(times):7.2f} ms  {question}")
-    started = time.perf_counter()
-    answered = sum(1 for _ in run(store, list(QUESTIONS) * 10, now=now))
-    say(f"batch: {answered / (time.perf_counter() - started):.0f} questions/s  (goal 500)")
+    lines = (QUESTIONS[number % len(QUESTIONS)] for number in range(batch))
+    started, worked = time.perf_counter(), time.process_time()
+    answered = sum(1 for _ in run(store, lines, now=now))
+    seconds, cpu_s = time.perf_counter() - started, time.process_time() - worked
+    say(
+        f"batch of {answered}: {answered / seconds:.0f} questions/s, {answered / cpu_s:.0f} a "
+        f"second of the processor  (goal 500); load average {os.getloadavg()[0]:.1f}"
+    )
+
+
+def against_naive(store: Store, naive: Store, rounds: int) -> None:
+    """Print retrieval and ranking of all keyframes at the rung Category, on both stores."""
+    counts = naive.counts()
+    say(f"naive: {counts['objects']} objects, {counts['sightings']} sightings")
+    now = store_now(store, "last", _no_clock)
+    for name, anew in (("read anew", True), ("kept from the question before", False)):
+        spent = np.array(
+            [[_retrieval(s, q, now, rounds, anew) for s in (store, naive)] for q in COMPARED]
+        )
+        say(f"naive / ours at Category, {name}:")
+        for question, (ours, theirs) in zip(COMPARED, spent.tolist(), strict=True):
+            say(f"  {theirs / ours:6.1f} x  {ours:6.2f} against {theirs:7.2f} ms  {question}")
+        sums = spent.sum(axis=0)
+        median = float(np.median(spent[:, 1] / spent[:, 0]))
+        say(f"  {median:6.1f} x is the median, {sums[1] / sums[0]:.1f} x of the sums  (goal 20)")
+
+
+def _retrieval(store: Store, question: str, now: datetime, rounds: int, anew: bool) -> float:
+    """Return the median processor time in ms of the steps that find and rank."""
+    query = read_question(store, question, now=now)
+    parameters = store_parameters(store)
+    steps = plan(query, parameters=parameters, precision="category").steps
+    kept = Plan(query, tuple(step for step in steps if isinstance(step, RETRIEVING)))
+    spent = []
+    for _ in range(rounds + 1):
+        if anew:
+            forget()
+        facts = Facts(store)
+        worked = time.process_time()
+        execute(
+            kept, store, VocabularyLexicon(), now=now, limit=EVERYTHING, parameters=parameters,
+            facts=facts,
+        )  # fmt: skip
+        spent.append((time.process_time() - worked) * 1000)
+    return float(np.median(spent[1:]))
 
 
 def _no_clock() -> datetime:
