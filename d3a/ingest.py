@@ -126,7 +126,12 @@ class _Run:
         self._check_seen(first)
         key = f"{facts.name}|{first.name}|{first.time_ms}"
         agree(self._intake, self._store, key)
-        facts = replace(facts, name=_name_of_its_own(facts.name, key, self._store))
+        facts = replace(
+            facts,
+            name=_name_of_its_own(facts.name, key, self._store),
+            # What is not stored is not known, rather than never seen.
+            classes=tuple(name for name in facts.classes if not self._intake.ignores(name)),
+        )
         self._preparation = self._prepared_for(facts)
         associator = Associator(self._store, self._parameters, facts, key, self._model)
         return chain([first], frames), associator

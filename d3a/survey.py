@@ -252,8 +252,9 @@ _COSTS = {
         "add camera.json (fx, fy, cx, cy), or camera=fx,fy,cx,cy",
     ),
 }
-PLAUSIBLE_M = (0.1, 20.0)
-"""Median depth of a picture indoors; another one tells of a wrong scale."""
+PLAUSIBLE_M = (0.4, 20.0)
+"""Median depth of a picture indoors: depth cameras measure from about 0.4 m on, and rooms end.
+Another one tells of a wrong scale."""
 
 
 def lacks(found: Survey) -> Iterator[Lack]:

@@ -174,7 +174,8 @@ class CocoReader:
             )
 
     def _name(self, key: str) -> str:
-        return beside.frame_of(self._images[key].file)
+        file = Path(self._images[key].file)
+        return beside.frame_of(file.name if file.is_absolute() else file.as_posix())
 
     def _rows(self) -> parsing.Rows:
         rows = parsing.Rows()

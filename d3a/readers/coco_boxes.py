@@ -74,6 +74,8 @@ def layout_of(
     if not_size > CLEARLY * not_corners:
         said = f"boxes are read as two corners: {not_size} of {count} would leave their picture"
         return Told("xyxy", (f"{said} as x, y, width, height",))
+    if not any(sizes.values()):
+        raise boxes.ask_for_layout(f"{file} (nothing tells the size of a picture either)")
     raise boxes.ask_for_layout(
         f"{file} may hold either: {not_size} of {count} boxes speak against x, y, width, height "
         f"and {not_corners} against two corners; it"

@@ -31,13 +31,11 @@ def read_table(path: Path, aliases: Aliases, bare: tuple[str, ...], skipped: Ski
     bare: the columns where no line names them. An unknown column is counted once and ignored.
     Raises BadInput for a file that cannot be read, is empty, or where a column comes twice.
     """
+    lines = _lines(path)
     try:
-        text = path.read_text(encoding="utf-8-sig", errors="replace")
+        first = next(lines, None)
     except OSError as error:
         raise BadInput(f"{path.name} cannot be read: {error.strerror}") from error
-    lines: Iterator[tuple[int, str]]
-    lines = ((n, line) for n, line in enumerate(text.splitlines(), 1) if _says_something(line))
-    first = next(lines, None)
     if first is None:
         raise BadInput(f"{path.name} is empty")
     delimiter = next((sign for sign in ",;\t" if sign in first[1]), None)
@@ -51,8 +49,12 @@ def read_table(path: Path, aliases: Aliases, bare: tuple[str, ...], skipped: Ski
     return Table(frozenset(name for name in names if name is not None), rows)
 
 
-def _says_something(line: str) -> bool:
-    return bool(line.strip()) and not line.lstrip().startswith("#")
+def _lines(path: Path) -> Iterator[tuple[int, str]]:
+    """Yield (number from 1, line) of each line that says something."""
+    with path.open(encoding="utf-8-sig", errors="replace") as lines:
+        for number, line in enumerate(lines, 1):
+            if line.strip() and not line.lstrip().startswith("#"):
+                yield number, line.rstrip("\r\n")
 
 
 def _cells(line: str, delimiter: str | None) -> list[str]:

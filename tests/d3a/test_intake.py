@@ -199,7 +199,9 @@ def test_a_slip_in_an_ignored_category_is_refused(tmp_path: Path) -> None:
         ingest(
             open_source(folder), OracleStore(), OFTEN, intake=Intake(ignore=frozenset(["persn"]))
         )
-    ingest(open_source(folder), OracleStore(), OFTEN, intake=Intake(ignore=frozenset(["Person"])))
+    store = OracleStore()
+    ingest(open_source(folder), store, OFTEN, intake=Intake(ignore=frozenset(["Person"])))
+    assert store.meta("classes") == ["cup"]
 
 
 @pytest.mark.parametrize("text", ["0,0 1,1", "0,0 1,1 a,b", "0,0 1,1 nan,2"])

@@ -118,6 +118,18 @@ def test_boxes_that_may_be_either_are_asked_for(tmp_path: Path) -> None:
         open_source(folder)
 
 
+def test_a_list_of_another_machine_is_found_by_its_files_names(tmp_path: Path) -> None:
+    folder = as_coco(tmp_path / "c", "xyxy")
+    listed = [{"id": i["id"], "file_name": f"/home/robot/{i['file_name']}"} for i in images()]
+    text = json.dumps({"images": listed, "categories": CATEGORIES})
+    (folder / "images.json").write_text(text)
+    assert dumped(taken(folder)[1]) == dumped(plain_store(tmp_path))
+    for picture in (folder / "images").iterdir():
+        picture.unlink()
+    with pytest.raises(BadInput, match="nothing tells the size of a picture"):
+        open_source(folder)
+
+
 def test_one_file_may_hold_all_and_dates_be_taken_from_it(tmp_path: Path) -> None:
     folder = as_coco(tmp_path / "c")
     whole = {"images": images(), "categories": CATEGORIES, "annotations": results()}

@@ -100,8 +100,8 @@ def test_without_boxes_or_frames_it_cannot_be_taken_in(tmp_path: Path) -> None:
 
 def test_a_wrong_scale_is_doubted(tmp_path: Path) -> None:
     folder = as_tum(tmp_path / "t", 5000.0)
-    said = missing(survey(open_source(folder, zone="UTC", options={"depth-scale": "50"})))
-    assert said[-1].startswith("a plausible depth: 2")
+    said = missing(survey(open_source(folder, zone="UTC", options={"depth-scale": "50000"})))
+    assert said[-1].startswith("a plausible depth: 0.2 m")
     assert "plausible" not in str(missing(survey(open_source(folder))))
 
 
