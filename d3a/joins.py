@@ -153,18 +153,21 @@ def _shown(spans: Spans, stay: StayKey, start_ms: int, end_ms: int) -> bool:
 
 def _seen(encounter: Encounter, stay: StayKey, box: Box) -> Sighting:
     """Return one side of an encounter as a sighting in its frame."""
+    e = encounter  # by position: there are hundreds of them
     return Sighting(
-        object_id=stay[0],
-        place=stay[1],
-        start_ms=encounter.start_ms,
-        end_ms=encounter.end_ms,
-        frame=encounter.frame,
-        probability=encounter.probability,
-        box=box,
-        image=encounter.image,
-        seen=encounter.seen,
-        recording=encounter.recording,
-        viewer=encounter.viewer,
+        stay[0],
+        stay[1],
+        e.start_ms,
+        e.end_ms,
+        e.frame,
+        e.probability,
+        box,
+        e.image,
+        e.seen,
+        "",
+        e.recording,
+        None,
+        e.viewer,
     )
 
 

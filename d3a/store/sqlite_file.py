@@ -77,7 +77,7 @@ def _prepare(
     migrations: tuple[Migration, ...],
 ) -> None:
     connection.execute("PRAGMA cache_size = -16384")
-    connection.execute("PRAGMA mmap_size = 2147483648")  # boxes at 200 k places: 1.4 -> 0.8 ms
+    connection.execute("PRAGMA mmap_size = 67108864")  # more of it counts as memory, and gains 5 %
     if not read_only:
         connection.execute("PRAGMA synchronous = FULL")
         connection.execute("PRAGMA wal_autocheckpoint = 8000")
