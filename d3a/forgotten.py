@@ -263,13 +263,14 @@ def _without_votes(record: ObjectRecord, selection: Selection) -> ObjectRecord:
 
 def _take_encounters(removal: Removal, ledger: Ledger, selection: Selection) -> None:
     """Take the encounters of what is forgotten, where they reach into what is forgotten of it."""
-    found: Iterable[Encounter]
+    found: list[Encounter] = []
+    touched: Iterable[str] = removal.touched
     if selection.object_ids is None and not selection.time.is_open:
         time = selection.time
         last = None if time.end_ms is None else time.end_ms - 1
         found = ledger.encounters(None, time.start_ms, last)
-    else:
-        found = [e for object_id in removal.touched for e in ledger.encounters(object_id)]
+        touched = sorted({key[0] for key in removal.gone_stays})  # what is left of those goes too
+    found += [e for object_id in touched for e in ledger.encounters(object_id)]
     for each in found:
         ends = ((each.object_a, each.place_a), (each.object_b, each.place_b))
         gone = any(end in removal.gone_stays for end in ends)
