@@ -19,11 +19,13 @@ from d3a.preparation import Preparation, Stopwatch
 from d3a.readers.base import Reader, RecordingFacts, Skipped
 from d3a.retention import retain
 from d3a.store.base import Region, Store
+from d3a.store.limits import MAX_TIME_MS
 
 Progress = Callable[[int, int | None], None]
 """Called with the frames done and their number, None where that is unknown."""
 DUPLICATE = "duplicate frame"
 BACKWARDS = "time runs backwards or stands still"
+NO_DATE = "time outside of 1970 to 2199"
 
 
 @dataclass(frozen=True, slots=True)
@@ -198,7 +200,9 @@ class _Run:
             last_ms = associator.record.last_ms
             if record.done and record.last_ms is not None and frame.time_ms <= record.last_ms:
                 continue
-            if is_duplicate:
+            if not 0 <= frame.time_ms < MAX_TIME_MS:
+                associator.skipped.add(NO_DATE, frame.name)
+            elif is_duplicate:
                 associator.skipped.add(DUPLICATE, frame.name)
             elif last_ms is not None and frame.time_ms <= last_ms:
                 associator.skipped.add(BACKWARDS, frame.name)

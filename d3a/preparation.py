@@ -15,14 +15,16 @@ from d3a.detectors.base import Detector
 from d3a.geometry import Metres, clip_box, locate
 from d3a.images import Pixels
 from d3a.intake import EVERYTHING, THING_OFF_LIMITS, Intake
-from d3a.model import BadInput, Detection, Frame, Image
+from d3a.model import BadInput, Detection, Frame, Image, Position
 from d3a.parameters import Parameters
 from d3a.readers.base import Skipped
 from d3a.sightings import FrameRef, Scene
+from d3a.store.limits import MAX_XY_M, MAX_Z_M
 
 STAGES = ("decode", "embed", "tiers", "store")
 BROKEN_PICTURE = "broken picture"
 BROKEN_DEPTH = "broken depth picture"
+TOO_FAR = "position outside of the map's limits, which is then not used"
 OTHER_CAMERA = "picture of another size than the camera's, which is then not used"
 WEAK = "detection below the least probability"
 OUTSIDE = "box outside of the picture"
@@ -90,12 +92,14 @@ class Preparation:
 
     def prepare(self, frame: Frame, skipped: Skipped) -> Prepared:
         """Return the frame's scene; what is broken in it is added to `skipped`."""
+        frame = _within_the_map(frame, skipped)
         with self._stopwatch.stage("decode"):
             pixels, has_picture = self._picture(frame, skipped)
             frame = _with_its_camera(frame, pixels, skipped)
             depth = self._depth(frame, pixels, skipped)
         with self._stopwatch.stage("embed"):
             detections = self._detector.detect(frame, pixels)
+            detections = tuple(_near(d, frame.name, skipped) for d in detections)
             kept, left_out = self._usable(frame, detections, pixels, skipped)
             if self._computes_embeddings and pixels is not None:
                 kept = [_embedded(d, pixels) for d in kept]
@@ -211,6 +215,26 @@ def _size(frame: Frame, pixels: Pixels | None) -> tuple[int, int] | None:
     if pixels is not None:
         return pixels.shape[1], pixels.shape[0]
     return None if frame.camera is None else (frame.camera.width, frame.camera.height)
+
+
+def _is_far(position: Position) -> bool:
+    x, y, z = position
+    return max(abs(x), abs(y)) >= MAX_XY_M or abs(z) >= MAX_Z_M
+
+
+def _within_the_map(frame: Frame, skipped: Skipped) -> Frame:
+    """Return the frame without a pose that no map has: one slip must not end an ingest."""
+    if frame.pose is None or not _is_far(frame.pose.position):
+        return frame
+    skipped.add(TOO_FAR, f"{frame.name}: the pose")
+    return replace(frame, pose=None)
+
+
+def _near(detection: Detection, frame: str, skipped: Skipped) -> Detection:
+    if detection.position is None or not _is_far(detection.position):
+        return detection
+    skipped.add(TOO_FAR, f"{frame}: {detection.category}")
+    return replace(detection, position=None, covariance=None)
 
 
 def _with_its_camera(frame: Frame, pixels: Pixels | None, skipped: Skipped) -> Frame:

@@ -26,6 +26,7 @@ from d3a.readers.base import (
     Skipped,
     Stream,
 )
+from d3a.store.limits import MAX_TIME_MS
 
 SAMPLES = 16
 """So many frames, spread over the recording, have their pictures decoded."""
@@ -33,6 +34,7 @@ GAP_STEPS = 10
 """A pause is a gap from so many usual (median) steps on."""
 NAMED_GAPS = 5
 BACKWARDS = "time runs backwards or stands still"
+NO_DATE = "time outside of 1970 to 2199"
 TWICE = "frame of a name that was there before"
 
 
@@ -131,6 +133,9 @@ class _Counted:
 
     def add(self, frame: Frame) -> None:
         """Count a frame; one out of time's order is counted as left out, as an ingest would."""
+        if not 0 <= frame.time_ms < MAX_TIME_MS:
+            self.skipped.add(NO_DATE, frame.name)
+            return
         if frame.name in self._names:
             self.skipped.add(TWICE, frame.name)
             return

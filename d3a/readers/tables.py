@@ -44,7 +44,7 @@ def read_table(path: Path, aliases: Aliases, bare: tuple[str, ...], skipped: Ski
     if any(name is not None for name in names):
         _check(names, header, path, skipped)
     else:
-        names, lines = list(bare[: len(header)]), chain([first], lines)
+        names, lines = list(bare), chain([first], lines)
     rows = _rows(lines, delimiter, names, path, skipped)
     return Table(frozenset(name for name in names if name is not None), rows)
 

@@ -97,7 +97,7 @@ class TumReader:
         for number, row in table.rows:
             where = f"{file}:{number}"
             try:
-                if not table.columns <= row.keys():
+                if not row.keys() >= {"time", "name"}:
                     raise BadInput("a line is a time and a file")  # noqa: TRY301
                 listed.append(Listed(self._clock.ms(row["time"]), row["name"], where))
             except BadInput as error:

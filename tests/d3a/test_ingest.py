@@ -8,10 +8,10 @@ from pathlib import Path
 
 import pytest
 
-from d3a.ingest import BACKWARDS, DUPLICATE, ingest
+from d3a.ingest import BACKWARDS, DUPLICATE, NO_DATE, ingest
 from d3a.model import BadInput, Detection, Frame, Pose
 from d3a.parameters import DEFAULT, PAPER, Parameters
-from d3a.preparation import BROKEN_DEPTH, BROKEN_PICTURE, OTHER_CAMERA, OUTSIDE, WEAK
+from d3a.preparation import BROKEN_DEPTH, BROKEN_PICTURE, OTHER_CAMERA, OUTSIDE, TOO_FAR, WEAK
 from d3a.readers.opening import open_source
 from d3a.store.base import Batch, TaughtName
 from tests.worlds.oracle import OracleStore
@@ -91,6 +91,22 @@ def test_broken_pictures_are_counted_and_the_detections_kept(tmp_path: Path) -> 
     assert summary.skipped.counts == {BROKEN_PICTURE: 2, "missing picture": 1, BROKEN_DEPTH: 2}
     assert summary.skipped.examples[BROKEN_PICTURE][0].startswith("000001 (")
     assert dict(store.recordings()[0].skipped) == summary.skipped.counts
+    assert store.check() == []
+
+
+def test_a_slip_beyond_the_stores_limits_does_not_end_an_ingest(tmp_path: Path) -> None:
+    folder = pictured(tmp_path / "r")
+    frames = [json.loads(line) for line in (folder / "frames.jsonl").read_text().splitlines()]
+    frames[1]["time"] = "2950-01-01T00:00:00Z"
+    frames[2]["pose"] = [1e9, 0, 0, 0, 0, 0, 1]
+    (folder / "frames.jsonl").write_text("".join(json.dumps(f) + "\n" for f in frames))
+    rows = [detection_line(n) for n in range(6)]
+    rows[3]["position"] = [0, 0, -1e9]
+    (folder / "detections.jsonl").write_text("".join(json.dumps(r) + "\n" for r in rows))
+    store = OracleStore()
+    summary = ingest(open_source(folder), store, DEFAULT)
+    assert summary.frames == 5
+    assert summary.skipped.counts == {NO_DATE: 1, TOO_FAR: 2}
     assert store.check() == []
 
 

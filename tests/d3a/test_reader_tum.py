@@ -107,6 +107,15 @@ def wide_png(path: Path) -> None:
     path.write_bytes(bytes(buffer))
 
 
+def test_a_first_line_that_is_cut_does_not_spoil_the_others(tmp_path: Path) -> None:
+    folder = as_tum(tmp_path / "t")
+    for name in ("rgb.txt", "groundtruth.txt"):
+        (folder / name).write_text("1599999999.0\n" + (folder / name).read_text())
+    reader = open_source(folder)
+    assert len([frame for frame in reader if frame.pose is not None]) == 8
+    assert reader.skipped.counts == {BROKEN_TIME: 1, BROKEN_POSE: 1}
+
+
 def test_each_broken_part_is_counted_and_the_rest_ingested(tmp_path: Path) -> None:
     folder = as_tum(tmp_path / "t")
     a, b, c, d, e, f, g, h = moments()
