@@ -31,7 +31,8 @@ class Settings:
     store: a path or URI, None for the default file. store_from: where that was said.
     zone: an IANA name, None for the store's own. now: ISO, "last", or None for the clock.
     pictures: how the chat shows them, cells, ascii or off.
-    history: whether questions are kept for the next chat.
+    history: whether questions are kept for the next chat. speak: the command that says an answer
+    aloud, its words being the last argument; empty for the first that the machine has.
     """
 
     clock: Callable[[], datetime]
@@ -43,6 +44,7 @@ class Settings:
     pictures: str = "cells"
     quiet: bool = False
     history: bool = True
+    speak: str = ""
 
     @property
     def store_uri(self) -> str:

@@ -1,23 +1,67 @@
-"""A conversation with one store: each question is understood after the one before it."""
+"""A conversation with one store: each saying is understood after the one before it.
+
+A saying is a question, a follow-up of the question before, a word about a row of its answer ("not
+this one"), something taught ("these are my keys"), or one of the choices that were offered.
+"""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from datetime import datetime
 from time import perf_counter
+from typing import Literal
 
 from assistant.asking import ask, ask_query, explain, failure, refusal, store_words
-from assistant.dialogue import follow
-from d3a.answer import Answer
+from assistant.dialogue import Seen, follow, is_about_the_same, is_beside
+from assistant.phrases import definite, noun_of, numbered, term_of
+from assistant.pointing import (
+    AskedOf,
+    Chosen,
+    NotThis,
+    Pointing,
+    find_row,
+    narrowed,
+    other_thing,
+    read_pointing,
+    row_words,
+    same_place,
+    shown,
+    told,
+)
+from assistant.remembering import NOTHING_SHOWN, Learned, Scene, learn
+from assistant.session import Pointer
+from assistant.taught import Naming, Teaching, read_teaching, row_of
+from d3a.answer import Answer, RankedKeyframe, Status
 from d3a.store.base import Store, StoreError
 from grammar.errors import QuestionError
 from grammar.forms import FormalQuery
 from grammar.notation import looks_formal, write
 
+Keep = Callable[[RankedKeyframe], bool]
+_THERE = re.compile(r"\b(?:it|they|them|one) there\b")
+_RETRY = frozenset({"again", "try again", "ask again", "retry", "once more"})
+
+
+@dataclass(frozen=True, slots=True)
+class _Said:
+    """What was said so far, as far as it counts for what is said next.
+
+    last: the query understood last. refused: objects that it does not mean. meant: the object that
+    was chosen by its number, None for none. text: what was asked last, to try it again.
+    """
+
+    last: FormalQuery | None = None
+    answer: Answer | None = None
+    refused: frozenset[str] = frozenset()
+    meant: str | None = None
+    text: str = ""
+    choices: tuple[str, ...] = field(default=())
+
 
 class Conversation:
-    """Asks a store, and keeps the last query that it understood for "and yesterday?".
+    """Asks a store, and keeps what was said, for "and yesterday?" and "not this one".
 
     now: the moment to ask at, in the home's zone. One thread at a time.
     """
@@ -25,20 +69,55 @@ class Conversation:
     def __init__(self, store: Store, now: Callable[[], datetime]) -> None:
         self._store = store
         self._now = now
-        self._last: FormalQuery | None = None
-        self._seen_at: datetime | None = None
+        self._said = _Said()
+        self.pointer = Pointer()
 
     def ask(self, text: str) -> Answer:
-        """Answer a question or a follow-up. What cannot be answered is an answer with its status.
+        """Answer whatever was said. What cannot be answered is an answer with its status.
 
         A question that was not understood, or is about a thing that nobody knows, leaves the one
         before it in force.
         """
+        text = self._picked(text)
+        teaching = None if looks_formal(text) else read_teaching(text)
+        if teaching is not None:
+            return self._offering(self._teach(text, teaching))
+        pointing = read_pointing(text) if shown(self._said.answer) else None
+        if pointing is not None:
+            return self._offering(self._point(text, pointing))
+        return self._offering(self._question(text))
+
+    def _picked(self, text: str) -> str:
+        """Return the choice that a number names, where choices were offered; else the text."""
+        said = text.strip().rstrip(".!").lower()
+        if said in _RETRY and self._said.text:
+            return self._said.text
+        choices = self._said.choices
+        number = row_of(said) if len(said.split()) <= 3 else None
+        if choices and number is not None and -1 <= number <= len(choices) and number != 0:
+            return choices[number - 1 if number > 0 else -1]
+        return text
+
+    def _offering(self, answer: Answer) -> Answer:
+        """Keep what an answer offers to say next."""
+        offered = answer.suggestions if not answer.keyframes or answer.query is None else ()
+        self._said = replace(self._said, choices=offered)
+        return answer
+
+    # questions and follow-ups
+
+    def _question(self, text: str) -> Answer:
+        before = self._said
+        self._said = replace(before, text=text)
         answer = self._answer(text)
-        if answer.query is not None and answer.status in ("found", "not_found"):
-            self._last = answer.query
-            best = answer.keyframes[0] if answer.keyframes else answer.otherwise
-            self._seen_at = best.end if best else None
+        if answer.query is None or answer.status not in ("found", "not_found"):
+            return answer
+        same = is_about_the_same(answer.query, before.last, text)
+        refused = before.refused if same else frozenset()
+        meant = before.meant if same else None
+        answer = self._as_meant(answer, refused, meant)
+        self._said = _Said(answer.query, answer, refused, meant, text)
+        self.pointer.to(told(answer))
         return answer
 
     def _answer(self, text: str) -> Answer:
@@ -47,15 +126,146 @@ class Conversation:
             return ask(self._store, text, now=now)
         try:
             words = store_words(self._store)
-            query = follow(text, now=now, words=words, last=self._last, seen_at=self._seen_at)
+            query = follow(
+                text, now=now, words=words, last=self._said.last, seen=_seen(self.pointer.row)
+            )
         except QuestionError as error:
             return refusal(error)
         except StoreError as error:
-            return failure(text, error)
+            return replace(failure(text, error), suggestions=(text,))
         parse_ms = (perf_counter() - started) * 1000
         answer = ask_query(self._store, query, now=now)
+        if answer.status == "error":
+            answer = replace(answer, suggestions=(text,))
         elapsed = {"parse": parse_ms} | answer.elapsed_ms
         return replace(answer, elapsed_ms=elapsed | {"total": (perf_counter() - started) * 1000})
+
+    def _as_meant(self, answer: Answer, refused: frozenset[str], meant: str | None) -> Answer:
+        """Return the answer without what was refused; of the thing meant, where that is known.
+
+        "Before that" asks for another place than that of the row told, "there" for the same.
+        """
+        query = answer.query
+        assert query is not None
+        row, now, seen = self.pointer.row, self._now(), _seen(self.pointer.row)
+        if refused:
+            answer = self._without(answer, refused)
+        nearby: Keep | None = None
+        nothing = ""
+        if row is not None and is_beside(query, seen):
+            nearby, nothing = (lambda k: not same_place(k, row)), "I saw it nowhere else then."
+        elif row is not None and _THERE.search(answer.text.lower()):
+            nearby, nothing = (lambda k: same_place(k, row)), "I did not see it there then."
+        if meant is not None:
+            of_it = narrowed(answer, lambda k: k.object_id == meant, now, nothing=nothing)
+            there = narrowed(of_it, nearby, now, nothing=nothing) if nearby else of_it
+            if shown(there):
+                return there
+        return narrowed(answer, nearby, now, nothing=nothing) if nearby else answer
+
+    def _without(self, answer: Answer, refused: frozenset[str]) -> Answer:
+        words = "I saw no other that it could be."
+        if answer.query is not None:
+            term = term_of(answer.query)
+            named = definite(replace(term, owner=None), numbered(answer.query, term))
+            words = f"Those are all that I saw: nothing else could be {named}."
+            if term.owner or noun_of(term) == "thing":
+                words = "Those are all that I saw: nothing else could be it."
+        return narrowed(answer, lambda k: k.object_id not in refused, self._now(), nothing=words)
+
+    # words about the rows
+
+    def _point(self, text: str, pointing: Pointing) -> Answer:
+        rows = shown(self._said.answer)
+        match pointing:
+            case NotThis():
+                row = self._row(pointing.row)
+                return self._no_row(text) if row is None else self._refuse(text, row)
+            case Chosen():
+                row = self._row(pointing.row)
+                if pointing.step:
+                    row = other_thing(rows, self.pointer.row, pointing.step)
+                ask_: Literal["when", "where"] = "where"
+            case AskedOf():
+                row, ask_ = self._row(pointing.row), pointing.ask
+        if row is None:
+            return self._no_row(text)
+        if pointing != AskedOf(ask_, None):
+            self._said = replace(self._said, meant=row.object_id)
+        self.pointer.to(row)
+        sentence = row_words(row, self._said.last, ask=ask_, now=self._now())
+        return self._beside_rows(text, sentence, "found")
+
+    def _row(self, number: int | None) -> RankedKeyframe | None:
+        if number is None:
+            return self.pointer.row
+        return find_row(shown(self._said.answer), number)
+
+    def _no_row(self, text: str) -> Answer:
+        count = len(shown(self._said.answer))
+        words = "There is one in the list." if count == 1 else f"There are {count} in the list."
+        return self._beside_rows(text, f"There is no such row. {words}", "not_found")
+
+    def _refuse(self, text: str, row: RankedKeyframe) -> Answer:
+        """Answer the question again without a thing that is not meant."""
+        refused = self._said.refused | {row.object_id}
+        last = self._said.last
+        if last is None:
+            return self._beside_rows(text, NOTHING_SHOWN, "not_found")
+        answer = ask_query(self._store, last, now=self._now())
+        if answer.status == "error":
+            return replace(answer, text=text, suggestions=(text,))
+        answer = replace(self._without(answer, refused), text=text)
+        self._said = replace(self._said, answer=answer, refused=refused, meant=None, text=text)
+        self.pointer.to(told(answer))
+        return answer
+
+    # teaching
+
+    def _teach(self, text: str, teaching: Teaching) -> Answer:
+        scene = Scene(shown(self._said.answer), self.pointer.row)
+        try:
+            learned = learn(self._store, teaching, scene, self._now())
+        except StoreError as error:
+            return replace(failure(text, error), suggestions=(text,))
+        if learned is None:
+            assert isinstance(teaching, Naming)  # of the others each has something to say
+            row = scene.row(teaching.row)
+            return self._no_row(text) if row is None else self._refuse(text, row)
+        if learned.done:
+            self._look_again()
+        return self._learned(text, learned)
+
+    def _learned(self, text: str, learned: Learned) -> Answer:
+        refused: Status = "ambiguous" if learned.choices else "not_found"
+        status: Status = "found" if learned.done else refused
+        answer = self._beside_rows(text, learned.sentence, status)
+        return replace(answer, suggestions=learned.choices)
+
+    def _look_again(self) -> None:
+        """Ask the last question again: what was taught may have changed its answer."""
+        last, row = self._said.last, self.pointer.row
+        if last is None:
+            return
+        answer = ask_query(self._store, last, now=self._now())
+        if answer.status not in ("found", "not_found"):
+            return
+        if self._said.refused:
+            answer = self._without(answer, self._said.refused)
+        self._said = replace(self._said, answer=answer, meant=None)
+        self.pointer.to(_same_row(shown(answer), row) or told(answer))
+
+    def _beside_rows(self, text: str, sentence: str, status: Status) -> Answer:
+        """Return a sentence beside the rows that are shown already."""
+        rows = shown(self._said.answer)
+        done: Answer = replace(
+            self._said.answer or Answer(), text=text, answer=sentence, query=None, status=status,
+            keyframes=rows, otherwise=None, suggestions=(), unjudged=(), truncated=False,
+            reason=None, elapsed_ms={},
+        )  # fmt: skip
+        return done
+
+    # beside the conversation
 
     def alone(self, text: str) -> Answer:
         """Answer a question by itself: neither after nor before another."""
@@ -66,6 +276,21 @@ class Conversation:
 
         Raises QuestionError and StoreError.
         """
-        if self._last is not None and self._last.text == text:
-            text = write(self._last)
+        said = self._said
+        spoken = read_pointing(text) is not None or read_teaching(text) is not None
+        if said.last is not None and (spoken or said.last.text == text):
+            text = write(said.last)
         return explain(self._store, text, now=self._now()).to_text()
+
+
+def _seen(row: RankedKeyframe | None) -> Seen | None:
+    return None if row is None else Seen(row.start, row.end)
+
+
+def _same_row(
+    rows: tuple[RankedKeyframe, ...], row: RankedKeyframe | None
+) -> RankedKeyframe | None:
+    """Return the row that shows what one of an earlier answer showed."""
+    if row is None:
+        return None
+    return next((each for each in rows if (each.frame, each.box) == (row.frame, row.box)), None)

@@ -5,10 +5,10 @@ Pure functions over formal queries: no screen, no store, no clock.
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from datetime import datetime, timedelta
 
-from grammar import NotUnderstood, StoreWords
+from grammar import NotUnderstood, StoreWords, vocabulary
 from grammar.forms import (
     ANYTHING,
     FormalQuery,
@@ -23,27 +23,54 @@ from grammar.parser import parse
 from grammar.vocabulary import lexicon
 
 
+@dataclass(frozen=True, slots=True)
+class Seen:
+    """When the thing spoken of was seen: `before that` ends at its start."""
+
+    start: datetime
+    end: datetime
+
+
 def follow(
     text: str,
     *,
     now: datetime,
     words: StoreWords,
     last: FormalQuery | None,
-    seen_at: datetime | None = None,
+    seen: Seen | None = None,
 ) -> FormalQuery:
     """Return the query that `text` means after `last`.
 
-    last: the query before, None at the start of a dialogue. seen_at: the time of the answer to it,
-    which `before that` starts from where the query itself had no time.
+    last: the query before, None at the start of a dialogue. seen: the sighting that its answer
+    told, which `before that` starts from where the query itself had no time.
     Raises QuestionError.
     """
     if last is None:
         return parse(text, now=now, words=words)
     found = parse_fragment(text, now=now, words=words, previous=last)
-    return found if isinstance(found, FormalQuery) else merge(last, found, seen_at)
+    return found if isinstance(found, FormalQuery) else merge(last, found, seen)
 
 
-def merge(last: FormalQuery, fragment: Fragment, seen_at: datetime | None = None) -> FormalQuery:
+def is_about_the_same(query: FormalQuery, last: FormalQuery | None, text: str) -> bool:
+    """Whether a query goes on about the things of the last one, without naming them again."""
+    if last is None or query.objects != last.objects:
+        return False
+    said = {vocabulary.singular(word.strip(".,?!")) for word in text.lower().split()}
+    return not any(
+        term.word.split()[-1:] and term.word.split()[-1] in said for term in last.objects
+    )
+
+
+def is_beside(query: FormalQuery, seen: Seen | None) -> bool:
+    """Whether a query asks where a thing was just before or after a sighting: elsewhere, then."""
+    if seen is None or query.time is None or query.ask != "where":
+        return False
+    time = query.time
+    before = time.start is None and time.end == seen.start
+    return before or (time.end is None and time.start == seen.end)
+
+
+def merge(last: FormalQuery, fragment: Fragment, seen: Seen | None = None) -> FormalQuery:
     """Return `last` with what the fragment changes, in the fragment's words.
 
     New objects take the place of the figures, or of the ground where the figure was any thing; `the
@@ -53,7 +80,7 @@ def merge(last: FormalQuery, fragment: Fragment, seen_at: datetime | None = None
         merged = fragment.query
     else:
         merged = _with_items(_with_terms(last, fragment), fragment)
-    time = _time(last, fragment, seen_at)
+    time = _time(last, fragment, seen)
     select = _select(last, fragment, time)
     ask = fragment.ask or merged.ask
     return replace(
@@ -67,12 +94,12 @@ def merge(last: FormalQuery, fragment: Fragment, seen_at: datetime | None = None
     )
 
 
-def _time(last: FormalQuery, fragment: Fragment, seen_at: datetime | None) -> TimeSlice | None:
+def _time(last: FormalQuery, fragment: Fragment, seen: Seen | None) -> TimeSlice | None:
     """Return the slice that is asked for now."""
     if fragment.shift is not None:
-        return _shifted(last.time, fragment.shift, fragment.text, seen_at)
+        return _shifted(last.time, fragment.shift, fragment.text, seen)
     if fragment.relative is not None:
-        return _beside(last.time, fragment.relative, fragment.text, seen_at)
+        return _beside(last.time, fragment.relative, fragment.text, seen)
     if fragment.time is not None:
         return fragment.time
     return last.time if fragment.query is None else fragment.query.time
@@ -92,19 +119,17 @@ def _select(last: FormalQuery, fragment: Fragment, time: TimeSlice | None) -> Se
     return "all" if newest and time is not None else last.select
 
 
-def _shifted(
-    slice_: TimeSlice | None, shift: timedelta, text: str, seen_at: datetime | None
-) -> TimeSlice:
+def _shifted(slice_: TimeSlice | None, shift: timedelta, text: str, seen: Seen | None) -> TimeSlice:
     """Return the slice moved by whole days or elapsed time; local times keep their clock."""
     if slice_ is None:
-        if seen_at is None:
+        if seen is None:
             raise _nothing_before(text)
-        midnight = seen_at.replace(hour=0, minute=0, second=0, microsecond=0)
+        midnight = seen.end.replace(hour=0, minute=0, second=0, microsecond=0)
         whole = shift % timedelta(days=1) == timedelta(0)
         slice_ = (
             TimeSlice(midnight, midnight + timedelta(days=1))
             if whole
-            else TimeSlice(seen_at, seen_at)
+            else TimeSlice(seen.end, seen.end)
         )
     start = slice_.start + shift if slice_.start is not None else None
     end = slice_.end + shift if slice_.end is not None else None
@@ -112,13 +137,13 @@ def _shifted(
 
 
 def _beside(
-    slice_: TimeSlice | None, relative: Relative, text: str, seen_at: datetime | None
+    slice_: TimeSlice | None, relative: Relative, text: str, seen: Seen | None
 ) -> TimeSlice:
     """Return the time before or after the slice, or before or after the answer without one."""
     start = slice_.start if slice_ is not None else None
     end = slice_.end if slice_ is not None else None
-    before = start or seen_at or end
-    after = end or seen_at or start
+    before = start or (seen.start if seen else end)
+    after = end or (seen.end if seen else start)
     if relative == "before":
         if before is None:
             raise _nothing_before(text)

@@ -15,9 +15,10 @@ from assistant.wording import keyframe_row, more_words
 from d3a.answer import Answer
 
 HELP = """Type a question, and Enter. Also:
-  1, 2, 3 ...   more of that answer's keyframe
+  1, 2, 3 ...   more of that answer's keyframe, or the one of several readings
   more          the rest of the list
   why           why this answer
+  undo          take back what was taught last
   help          these lines
   quit          leave; so does the end of the input"""
 SHOWN = 3
@@ -49,25 +50,34 @@ class PlainChat:
             self._list(SHOWN)
         elif command == "why":
             self._why()
-        elif command.isascii() and command.isdigit():
+        elif command.isascii() and command.isdigit() and not self._offers():
             self._details(int(command))
         elif text:
             self._reply(text)
         return True
 
+    def _offers(self) -> bool:
+        """Whether the answer before offers readings to choose from by their numbers."""
+        answer = self._answer
+        return answer is not None and bool(answer.suggestions) and answer.query is None
+
     def _reply(self, text: str) -> None:
         answer = self._session.safely(text)
         self._answer = answer
-        self._say(f"You: {text}")
+        self._say(f"You: {answer.text if text.isdigit() else text}")
         self._say(f"Answer: {clean(answer.answer or answer.message or '')}")
         if answer.message and answer.answer and answer.message != answer.answer:
             self._say(f"Reason: {clean(answer.message)}")
-        self._list(0, SHOWN)
+        if answer.query is not None:  # what was taught leaves the list as it was heard
+            self._list(0, SHOWN)
         if answer.otherwise is not None and not answer.keyframes:
             row = ", ".join(keyframe_row(answer.otherwise, self._session.now()))
             self._say(f"Instead: {row}")
-        for suggestion in answer.suggestions:
-            self._say(f"Did you mean: {clean(suggestion)}")
+        if answer.status == "error":
+            self._say("Type again to ask it again.")
+            return
+        for number, suggestion in enumerate(answer.suggestions, 1):
+            self._say(f"Did you mean, {number}: {clean(suggestion)}")
 
     def _list(self, first: int, last: int | None = None) -> None:
         keyframes = self._answer.keyframes if self._answer else ()
@@ -88,6 +98,7 @@ class PlainChat:
             self._say(f"There is no {rank}; the list has {len(keyframes)}.")
             return
         keyframe = keyframes[rank - 1]
+        self._session.pointer.to(keyframe)
         self._say(
             f"{rank} of {len(keyframes)}: {', '.join(keyframe_row(keyframe, self._session.now()))}"
         )

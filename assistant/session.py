@@ -7,14 +7,32 @@ from dataclasses import dataclass, field
 from datetime import datetime
 from typing import TYPE_CHECKING
 
-from d3a.answer import Answer
+from d3a.answer import Answer, RankedKeyframe
 from d3a.store.base import StoreError
 from grammar.errors import QuestionError
 
 if TYPE_CHECKING:
+    from d3a.model import Box
     from d3a.store.base import Store
 
 Ask = Callable[[str], Answer]
+
+
+@dataclass(slots=True)
+class Pointer:
+    """What the person points at: the row under the mark, which the screen and the talk share.
+
+    box: drawn on its picture by the person, in pixels of the original frame; None for none.
+    """
+
+    row: RankedKeyframe | None = None
+    box: Box | None = None
+
+    def to(self, row: RankedKeyframe | None) -> None:
+        """Point at a row; a box that was drawn on another picture is no longer meant."""
+        if row is None or self.row is None or row.image != self.row.image:
+            self.box = None
+        self.row = row
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,6 +42,7 @@ class Session:
     ask: a question's answer, after what was said before. alone: the same by itself, None where
     that is all one. explain: formal query, plan and native queries of an answer, as text.
     now: the moment to ask at, in the home's zone: a function, as a chat lasts. title: of the home.
+    pointer: what "these" means, when something is taught.
     """
 
     store: Store = field(repr=False)
@@ -33,6 +52,7 @@ class Session:
     title: str = "home"
     suggestions: tuple[str, ...] = ()
     alone: Ask | None = None
+    pointer: Pointer = field(default_factory=Pointer)
 
     def safely(self, text: str, *, alone: bool = False) -> Answer:
         """Ask, and let whatever fails be an answer that names it: a chat goes on after it.
@@ -43,7 +63,9 @@ class Session:
             return self.alone(text) if alone and self.alone else self.ask(text)
         except StoreError as error:
             words = "I cannot reach my memory just now. Ask again in a moment."
-            return Answer(text=text, status="error", answer=words, message=str(error))
+            return Answer(
+                text=text, status="error", answer=words, message=str(error), suggestions=(text,)
+            )
         except Exception as error:  # a chat outlives a defect, and shows it
             words = "Something in me is broken; this question did not work."
             name = type(error).__name__

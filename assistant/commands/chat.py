@@ -52,6 +52,7 @@ def session_of(
         ask=talk.ask,
         alone=talk.alone,
         explain=talk.explain,
+        pointer=talk.pointer,
         now=now,
         title=title or ", ".join(sites) or "this home",
         suggestions=suggestions,
@@ -73,4 +74,5 @@ def hold(session: Session, settings: Settings, *, plain: bool = False) -> None:
     from assistant.ui.history import History
 
     history = History(user_state() / "questions.jsonl") if settings.history else History()
-    ChatApp(session, history=history, pictures=cast("Kind", settings.pictures)).run()
+    pictures = cast("Kind", settings.pictures)
+    ChatApp(session, history=history, pictures=pictures, speak=settings.speak).run()

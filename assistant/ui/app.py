@@ -6,9 +6,11 @@ answer never replaces a newer one. `chat.ChatScreen` shows what comes of it.
 
 from __future__ import annotations
 
+import os
 import threading
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import ClassVar
 
@@ -17,18 +19,20 @@ from textual.app import App, SystemCommand
 from textual.binding import Binding, BindingType
 from textual.message import Message
 from textual.screen import Screen
-from textual.theme import Theme
 from textual.widgets import Input
 
 from assistant.session import Session, known_words, questions_for
+from assistant.speaking import Voice
 from assistant.terminal import clean
 from assistant.ui.chat import ChatScreen, World
+from assistant.ui.clipboard import copied_here, takes_osc_52
+from assistant.ui.commands import COMMANDS, HIGH_CONTRAST
 from assistant.ui.floor import read_floor
 from assistant.ui.history import History
 from assistant.ui.lists import KeyframeList, QuestionList
 from assistant.ui.palette import Palette
 from assistant.ui.picture import Kind, Shot
-from assistant.ui.save import save_answer
+from assistant.ui.save import save_answer, save_text
 from assistant.ui.sheets import HELP, FloorSheet, LargeSheet, PictureSheet, Sheet, why_text
 from assistant.wording import keyframe_row
 from d3a.answer import Answer, RankedKeyframe
@@ -38,38 +42,13 @@ from d3a.store.base import Keyframe
 LOOKING_S = 0.3
 """An answer that takes longer than this says that it is being looked for."""
 PICTURES_KEPT = 32
-COMMANDS = {
-    "help": ("help", "Keys and examples"),
-    "picture": ("picture", "The whole picture of the chosen keyframe"),
-    "map": ("map", "Rooms, places, the robot"),
-    "large": ("large", "The answer in few, spaced lines"),
-    "save": ("save", "The answer as JSON, its picture as PNG with the box"),
-    "why": ("why", "Formal query, parts of the score, plan, native queries"),
-    "copy": ("copy_answer", "The answer, to the clipboard"),
-    "forget": ("forget", "Wipe the questions of this and earlier chats"),
-    "theme": ("change_theme", "Light, dark, high contrast"),
-    "quit": ("quit", "Leave the chat"),
-}
-"""What may be typed after a slash or found in the palette: action and what it does."""
-
-HIGH_CONTRAST = Theme(
-    name="high-contrast",
-    primary="#ffff00",
-    secondary="#00ffff",
-    accent="#ffff00",
-    foreground="#ffffff",
-    background="#000000",
-    surface="#000000",
-    panel="#1c1c1c",
-    success="#00ff00",
-    warning="#ffff00",
-    error="#ff6060",
-    dark=True,
-)
 
 
 class ChatApp(App[None], inherit_bindings=False):
-    """The chat over one session. history: earlier questions; saves: the folder F6 writes to."""
+    """The chat over one session.
+
+    history: earlier questions. saves: the folder F6 writes to. speak: the command of F4.
+    """
 
     TITLE = "d3a"
     CSS_PATH = "chat.tcss"
@@ -77,6 +56,7 @@ class ChatApp(App[None], inherit_bindings=False):
         Binding("f1", "help", "Help", id="help"),
         Binding("f2", "picture", "Picture", id="picture"),
         Binding("f3", "map", "Map", id="map"),
+        Binding("f4", "speak", "Speak", id="speak"),
         Binding("f5", "large", "Large", id="large"),
         Binding("f6", "save", "Save", id="save"),
         Binding("f7", "why", "Why", id="why"),
@@ -93,6 +73,7 @@ class ChatApp(App[None], inherit_bindings=False):
         number: int
         answer: Answer
         newest_ms: int | None
+        pointed: RankedKeyframe | None
 
     @dataclass
     class Surveyed(Message):
@@ -121,12 +102,14 @@ class ChatApp(App[None], inherit_bindings=False):
         history: History | None = None,
         pictures: Kind = "cells",
         saves: Path | None = None,
+        speak: str | None = None,
     ) -> None:
         super().__init__()
         self._session = session
         self._history = history or History()
         self._pictures: Kind = pictures
         self._saves = saves or Path("d3a-saved")
+        self._voice = Voice(speak)
         self._store_lane = threading.Lock()  # a store's connection serves one thread at a time
         self._asked = 0
         self._waiting = False
@@ -177,23 +160,28 @@ class ChatApp(App[None], inherit_bindings=False):
         self._asked += 1
         self._waiting = True
         number = self._asked
-        self._history.add(text)
+        if not text.isdigit():  # the number of a choice is no question
+            self._history.add(text)
         self.chat.show_earlier(self._history.questions)
         self.set_timer(LOOKING_S, lambda: self._say_looking(number, text))
-        self._ask_in_thread(number, text)
+        self._ask_in_thread(number, text, self._chosen)
 
     def _say_looking(self, number: int, text: str) -> None:
         if self._waiting and number == self._asked:
             self.chat.show_looking(text)
 
     @work(thread=True, group="ask")
-    def _ask_in_thread(self, number: int, text: str) -> None:
+    def _ask_in_thread(self, number: int, text: str, chosen: RankedKeyframe | None) -> None:
         with self._store_lane:
             if number != self._asked:  # a newer question waits behind this one
                 return
+            pointer = self._session.pointer
+            if chosen is not None:
+                pointer.to(chosen)
             answer = self._session.safely(text)
             newest_ms = None if answer.status == "error" else self._newest()
-        self.post_message(self.Answered(number, answer, newest_ms))
+            pointed = pointer.row
+        self.post_message(self.Answered(number, answer, newest_ms, pointed))
 
     def _newest(self) -> int | None:
         try:
@@ -209,7 +197,7 @@ class ChatApp(App[None], inherit_bindings=False):
         self._answer, self._chosen = message.answer, None
         newest_ms = message.newest_ms or self._world.newest_ms
         self._world = replace(self._world, newest_ms=newest_ms)
-        self.chat.show_answer(message.answer, self._world)
+        self.chat.show_answer(message.answer, self._world, message.pointed)
 
     def on_keyframe_list_chosen(self, message: KeyframeList.Chosen) -> None:
         """Fetch the picture of the row under the mark."""
@@ -261,7 +249,7 @@ class ChatApp(App[None], inherit_bindings=False):
 
     def _do(self, word: str) -> None:
         if word in COMMANDS:
-            self.call_later(self.run_action, COMMANDS[word][0])
+            self._run(COMMANDS[word][0])
         else:
             known = " ".join(f"/{name}" for name in COMMANDS)
             self.notify(f"There is no /{word}. There are {known}", markup=False)
@@ -324,12 +312,12 @@ class ChatApp(App[None], inherit_bindings=False):
             message.sheet.set_text(message.text)
 
     def action_save(self) -> None:
-        """Write the answer as JSON and its picture as PNG, the box drawn in."""
+        """Write the answer as a card and as JSON, and its picture as PNG, the box drawn in."""
         if self._answer is None:
             self._nothing_yet("answer")
             return
         try:
-            written = save_answer(self._answer, self.chat.shot, self._saves)
+            written = save_answer(self._answer, self.chat.shot, self._saves, self.chat.now)
         except OSError as error:
             words = f"{self._saves} cannot be written: {error.strerror or error}"
             self.notify(words, severity="error", markup=False)
@@ -337,15 +325,42 @@ class ChatApp(App[None], inherit_bindings=False):
         self.notify("\n".join(f"Saved {path}" for path in written), markup=False)
 
     def action_copy_answer(self) -> None:
-        """Copy the answer and its rows, by the terminal's own clipboard (OSC 52)."""
+        """Copy the answer and its rows: by the desktop, else by the terminal, else to a file."""
         if self._answer is None:
             self._nothing_yet("answer")
             return
         lines = [clean(self._answer.answer or self._answer.message or "")]
         for keyframe in self._answer.keyframes:
             lines.append(f"{keyframe.rank}  " + ", ".join(keyframe_row(keyframe, self.chat.now)))
-        self.copy_to_clipboard("\n".join(lines))
-        self.notify("Copied, if the terminal allows it. F6 saves a file.", markup=False)
+        text = "\n".join(lines)
+        self.copy_to_clipboard(text)  # textual keeps it too, for pasting in the chat
+        if copied_here(text):
+            self.notify("Copied.", markup=False)
+        elif takes_osc_52(os.environ):
+            self.notify("Copied, if the terminal allows it. F6 saves a file.", markup=False)
+        else:
+            self._save_copy(text)
+
+    def _save_copy(self, text: str) -> None:
+        try:
+            path = save_text(text, self._saves)
+        except OSError as error:
+            words = f"Nothing could be copied, and {self._saves} cannot be written: "
+            self.notify(words + (error.strerror or ""), severity="error", markup=False)
+            return
+        self.notify(f"This terminal has no clipboard for it: saved {path}", markup=False)
+
+    def action_speak(self) -> None:
+        """Speak the answer aloud; again: stop."""
+        if self._answer is None:
+            self._nothing_yet("answer")
+            return
+        text = self._answer.answer or self._answer.message or ""
+        self.notify(self._voice.say(text), markup=False)
+
+    def action_say(self, text: str) -> None:
+        """Say what a command stands for, as if it were typed."""
+        self.ask(text)
 
     def action_stop(self) -> None:
         """Stop waiting for the running question, else go back to the question line."""
@@ -372,4 +387,7 @@ class ChatApp(App[None], inherit_bindings=False):
     def get_system_commands(self, screen: Screen[object]) -> Iterable[SystemCommand]:
         """List the commands of the palette, the same that a slash names."""
         for name, (action, what) in COMMANDS.items():
-            yield SystemCommand(name.capitalize(), what, getattr(self, f"action_{action}"))
+            yield SystemCommand(name.capitalize(), what, partial(self._run, action))
+
+    def _run(self, action: str) -> None:
+        self.call_later(self.run_action, action)

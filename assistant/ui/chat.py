@@ -220,8 +220,13 @@ class ChatScreen(Screen[None]):
         """Say that nothing is waited for any more."""
         self._say(Text("Stopped. Ask again, or something else."))
 
-    def show_answer(self, answer: Answer, world: World) -> None:
-        """Show an answer: its sentence, its keyframes, its places."""
+    def show_answer(
+        self, answer: Answer, world: World, pointed: RankedKeyframe | None = None
+    ) -> None:
+        """Show an answer: its sentence, its keyframes, its places; the mark on the one pointed at.
+
+        A picture that stays the same stays as it is.
+        """
         if self._shown is not None:
             self._remember(self._shown)
         self._shown, self._world = answer, world
@@ -231,7 +236,8 @@ class ChatScreen(Screen[None]):
         self.set_class(bool(answer.suggestions) and not shown, "-suggesting")
         self.set_class(not shown, "-nothing")
         self._say(exchange(answer))
-        self.query_one(KeyframeList).show_keyframes(shown, now)
+        at = next((i for i, each in enumerate(shown) if each == pointed), 0)
+        self.query_one(KeyframeList).show_keyframes(shown, now, at)
         self.query_one(QuestionList).show_questions(answer.suggestions)
         self.query_one(FloorView).keyframes = shown
         timeline = self.query_one(Timeline)

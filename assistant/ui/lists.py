@@ -122,10 +122,12 @@ class KeyframeList(MarkedList):
         self._now: datetime | None = None
         self._width = 0
 
-    def show_keyframes(self, keyframes: Sequence[RankedKeyframe], now: datetime) -> None:
-        """Show these, the first of them highlighted."""
+    def show_keyframes(
+        self, keyframes: Sequence[RankedKeyframe], now: datetime, at: int = 0
+    ) -> None:
+        """Show these, the one with the index `at` highlighted."""
         self._keyframes, self._now = keyframes, now
-        self._lay_out(0)
+        self._lay_out(at)
 
     def on_resize(self, event: Resize) -> None:
         """Align the columns for the new width."""

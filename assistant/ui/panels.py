@@ -27,7 +27,7 @@ def exchange(answer: Answer) -> Text:
     text = Text(f"You: {clean(answer.text)}\n", style="dim")
     sentence = clean(answer.answer or answer.message or "")
     text.append(sentence, style="not dim bold")
-    more = more_words(answer)
+    more = more_words(answer) if answer.query is not None else ""
     if more:
         text.append(f" {more}", style="not dim")
     notes = []
@@ -35,8 +35,13 @@ def exchange(answer: Answer) -> Text:
         notes.append(clean(answer.message))
     if answer.otherwise is not None and not answer.keyframes:
         notes.append("Below: the nearest that I did see.")
+    elif answer.status == "error" and answer.suggestions:
+        notes.append("Ask it again (Down and Enter):")
     elif answer.suggestions and not answer.keyframes:
-        notes.append("Did you mean (Down and Enter):")
+        notes.append("Did you mean (Down and Enter, or its number):")
+    elif answer.suggestions:  # the list stays, so they stand here
+        notes += [f"{i}  {clean(each)}" for i, each in enumerate(answer.suggestions, 1)]
+        notes.append("Type its number.")
     return text.append("".join(f"\n{note}" for note in notes), style="not dim")
 
 

@@ -40,11 +40,17 @@ Tab        the next pane
 PgUp       what was said earlier in this chat
 Esc        stop the running question, or back to the question line
 
-F1 help      F2 picture   F3 map       F5 large
+F1 help      F2 picture   F3 map       F4 speak     F5 large
 F6 save      F7 why       F8 copy      Ctrl+P all commands   Ctrl+Q quit
 
-Each key has a word too: /help /picture /map /large /save /why /copy
-/forget (the questions of earlier chats) /quit
+Go on from an answer: and the bowl?   what about yesterday?   not this one
+the second one   when was that?   where was it before that?
+
+Teach me, of the chosen row:  these are my keys     call this place the desk
+that is the same cup as number 2     that is not the same     undo
+
+Each key has a word too: /help /picture /map /speak /large /save /why /copy
+/undo /taught /forget (the questions of earlier chats) /quit
 
 Letters too small? Make them larger in your terminal, mostly by Ctrl and +."""
 
@@ -175,6 +181,7 @@ class LargeSheet(Overlay):
 
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("escape,enter,q,f5", "dismiss_sheet", "Back"),
+        Binding("f4", "app.speak", "Speak"),
         Binding("f8", "app.copy_answer", "Copy"),
         Binding("f6", "app.save", "Save"),
     ]
@@ -187,7 +194,7 @@ class LargeSheet(Overlay):
         """Lay out the sentences with air between them, the picture, three keys."""
         yield Static(large_text(self._answer), id="large-text", markup=False)
         yield PictureView(kind=self._kind, id="large-picture")
-        yield Static("Esc Back     F6 Save     F8 Copy", id="sheet-foot", markup=False)
+        yield Static("Esc Back     F4 Speak     F6 Save", id="sheet-foot", markup=False)
 
     def on_mount(self) -> None:
         """Show the best picture."""

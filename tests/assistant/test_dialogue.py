@@ -12,7 +12,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from assistant.dialogue import follow, merge
+from assistant.dialogue import Seen, follow, merge
 from grammar import NotUnderstood, QuestionError, StoreWords, parse
 from grammar.forms import FormalQuery, Json
 from grammar.fragments import Fragment, parse_fragment
@@ -30,7 +30,7 @@ def dialogues() -> Iterator[Any]:
         seen = dialogue.get("seen_at")
         yield pytest.param(
             dialogue["turns"],
-            datetime.fromisoformat(seen) if seen else None,
+            Seen(*[datetime.fromisoformat(seen)] * 2) if seen else None,
             id=dialogue["title"],
         )
 
@@ -46,11 +46,11 @@ def holds(want: Any, got: Any) -> bool:
     return bool(want == got)
 
 
-@pytest.mark.parametrize(("turns", "seen_at"), list(dialogues()))
-def test_dialogue(turns: list[Json], seen_at: datetime | None) -> None:
+@pytest.mark.parametrize(("turns", "seen"), list(dialogues()))
+def test_dialogue(turns: list[Json], seen: Seen | None) -> None:
     last: FormalQuery | None = None
     for turn in turns:
-        last = follow(turn["say"], now=NOW, words=WORDS, last=last, seen_at=seen_at)
+        last = follow(turn["say"], now=NOW, words=WORDS, last=last, seen=seen)
         assert last.text == turn["say"]
         want = {**turn["want"]} if "want" in turn else {}
         if "time" in want:

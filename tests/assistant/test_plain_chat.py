@@ -58,8 +58,8 @@ def test_what_is_not_known_comes_with_what_is() -> None:
     lines = said("where is my wallet\n")
     assert lines[1:] == [
         "Answer: I do not know wallets.",
-        "Did you mean: Where is the bag?",
-        "Did you mean: Where are the keys?",
+        "Did you mean, 1: Where is the bag?",
+        "Did you mean, 2: Where are the keys?",
     ]
 
 

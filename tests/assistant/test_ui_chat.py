@@ -2,86 +2,25 @@
 
 from __future__ import annotations
 
-import asyncio
 import json
 import threading
-from collections.abc import AsyncIterator, Callable
-from contextlib import asynccontextmanager
 from pathlib import Path
-from typing import Any
 
 import pytest
 from PIL import Image
 from textual.command import CommandList, CommandPalette
-from textual.pilot import Pilot
 from textual.widgets import Static
 
-from assistant.session import Session
-from assistant.ui.app import ChatApp
 from assistant.ui.history import History
 from assistant.ui.lists import KeyframeList, QuestionList
 from assistant.ui.panels import FloorView
 from assistant.ui.picture import PictureView
-from assistant.ui.prompt import Prompt
 from assistant.ui.sheets import FloorSheet, LargeSheet, PictureSheet, Sheet
 from d3a.answer import Answer
 from d3a.store.base import Keyframe, StoreUnreachable
 from tests.worlds import small_home
 from tests.worlds.oracle import OracleStore
-
-QUESTION = "where are my keys?"
-
-
-class Chat:
-    """A running chat, with the words a test asks of it."""
-
-    def __init__(self, app: ChatApp, pilot: Pilot[None]) -> None:
-        self.app, self.pilot = app, pilot
-
-    async def until(self, condition: Callable[[], bool]) -> None:
-        """Wait for threads and timers, at most five seconds."""
-        for _ in range(500):
-            await self.pilot.pause()
-            if condition():
-                return
-            await asyncio.sleep(0.01)
-        raise AssertionError(f"never came true; the screen says: {self.said()!r}")
-
-    def said(self) -> str:
-        return str(self.app.chat.query_one("#exchange", Static).content)
-
-    def rows(self) -> list[str]:
-        return self.app.chat.query_one(KeyframeList).lines_shown
-
-    def prompt(self) -> Prompt:
-        return self.app.chat.query_one(Prompt)
-
-    def picture(self) -> str:
-        return self.app.chat.query_one("#picture", PictureView).text
-
-    async def type(self, text: str, enter: bool = True) -> None:
-        self.prompt().insert_text_at_cursor(text)
-        if enter:
-            await self.pilot.press("enter")
-
-    async def ask(self, text: str = QUESTION) -> None:
-        await self.type(text)
-        await self.until(lambda: f"You: {text}" in self.said())
-
-
-@asynccontextmanager
-async def chat(
-    session: Session | None = None, size: tuple[int, int] = (80, 24), **options: Any
-) -> AsyncIterator[Chat]:
-    if session is None:
-        store = OracleStore()
-        small_home.fill(store)
-        session = small_home.session(store)
-    app = ChatApp(session, **options)
-    async with app.run_test(size=size) as pilot:
-        running = Chat(app, pilot)
-        await running.until(lambda: bool(running.said()))
-        yield running
+from tests.worlds.running_chat import QUESTION, chat
 
 
 async def test_the_first_screen_offers_questions_that_have_answers() -> None:
@@ -199,7 +138,7 @@ async def test_a_key_without_an_answer_says_so(key: str) -> None:
         assert "ask a question first" in notice.message
 
 
-async def test_save_writes_json_and_a_png_with_the_box(tmp_path: Path) -> None:
+async def test_save_writes_a_card_json_and_a_png_with_the_box(tmp_path: Path) -> None:
     async with chat(saves=tmp_path / "saved") as c:
         await c.ask()
         await c.until(lambda: c.app.chat.shot is not None)
@@ -210,9 +149,15 @@ async def test_save_writes_json_and_a_png_with_the_box(tmp_path: Path) -> None:
         "where-are-my-keys-01-keys-20260301-094200-2.png",
         "where-are-my-keys-01-keys-20260301-094200.png",
         "where-are-my-keys-2.json",
+        "where-are-my-keys-2.md",
         "where-are-my-keys.json",
+        "where-are-my-keys.md",
     ]
-    record = json.loads((tmp_path / "saved" / files[3]).read_text())
+    record = json.loads((tmp_path / "saved" / files[4]).read_text())
+    card = (tmp_path / "saved" / files[5]).read_text()
+    assert card.startswith("# On the kitchen table. I last saw them today at 9:42")
+    assert f"({files[1]})" in card
+    assert "| 2 | keys | 8:15 today | hall, by the door | not sure | seen 3 times |" in card
     assert record["keyframes"][0]["frame"] == "000000"
     with Image.open(tmp_path / "saved" / files[1]) as image:
         assert image.size == (small_home.WIDTH, small_home.HEIGHT)

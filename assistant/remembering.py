@@ -1,0 +1,285 @@
+"""Carry out what a person teaches in a conversation, and confirm it in a sentence.
+
+It goes through `d3a.teaching`: kept in the store at once, used by the next question, undone by
+"undo". What cannot be done is a sentence too, with what would do.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from datetime import datetime
+
+from assistant.english import listed
+from assistant.phrases import kind_of
+from assistant.pointing import find_row, same_place
+from assistant.taught import (
+    Difference,
+    Naming,
+    PlaceNaming,
+    PlaceRenaming,
+    Recalling,
+    Row,
+    Sameness,
+    Teaching,
+    Undoing,
+)
+from assistant.wording import place_words
+from d3a import teaching as store_teaching
+from d3a.answer import RankedKeyframe
+from d3a.constraints import Correction
+from d3a.model import BadInput
+from d3a.store.base import Store
+from grammar.vocabulary import lexicon
+
+ROOM_M, SPOT_M = 2.0, 1.0
+"""How far around a point a place reaches that was named with one word: a room, or a spot."""
+BACK = "“undo” takes it back"
+NOTHING_SHOWN = "Ask where it is first: then I know which one you mean."
+
+
+@dataclass(frozen=True, slots=True)
+class Learned:
+    """What came of a teaching. done: the store has it. choices: what may be said instead."""
+
+    sentence: str
+    done: bool = True
+    choices: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Scene:
+    """What stands on the screen: the rows of the last answer, and the one pointed at."""
+
+    rows: tuple[RankedKeyframe, ...] = ()
+    pointed: RankedKeyframe | None = None
+
+    def row(self, number: Row) -> RankedKeyframe | None:
+        """Return the row of a number, the one pointed at for None."""
+        return self.pointed if number is None else find_row(self.rows, number)
+
+    @property
+    def things(self) -> tuple[RankedKeyframe, ...]:
+        """The first row of each thing."""
+        first = {row.object_id: row for row in reversed(self.rows)}
+        return tuple(sorted(first.values(), key=lambda row: row.rank))
+
+
+def learn(store: Store, said: Teaching, scene: Scene, now: datetime) -> Learned | None:
+    """Do what was said; None where it says no more than "not this one".
+
+    Raises StoreError; whatever else cannot be done is a sentence.
+    """
+    try:
+        match said:
+            case Naming():
+                return _name(store, said, scene, now)
+            case PlaceNaming():
+                return _name_place(store, said, scene, now)
+            case PlaceRenaming():
+                return _rename_place(store, said, now)
+            case Sameness():
+                return _same(store, said, scene, now)
+            case Difference():
+                return _different(store, said, scene, now)
+            case Undoing():
+                return Learned(undone_words(store_teaching.undo(store)))
+            case Recalling():
+                return _recall(store)
+    except BadInput as error:
+        return Learned(f"I cannot do that: {error}", done=False)
+
+
+def _name(store: Store, said: Naming, scene: Scene, now: datetime) -> Learned | None:
+    row = scene.row(said.row)
+    if row is None:
+        return _no_row(said.row, scene)
+    word, owner = named(said.said, kind_of(row), now)
+    if said.isnt:
+        known = store.objects(ids=[row.object_id], embeddings=False)
+        if not any(n.word == word and owner in (None, n.owner) for r in known for n in r.names):
+            return None
+        store_teaching.forget_name(store, row.object_id, word, owner, at_ms=_ms(now))
+        return Learned(f"I no longer take {row_name(row)} for “{_heard(said.said, row)}”; {BACK}.")
+    done = store_teaching.teach_name(store, row.object_id, word, owner, at_ms=_ms(now))
+    if done.number == 0:
+        return Learned(f"I know {row_name(row)} as “{_heard(said.said, row)}” already.")
+    return Learned(f"I will remember {row_name(row)} as “{_heard(said.said, row)}”; {BACK}.")
+
+
+def _heard(said: str, row: RankedKeyframe) -> str:
+    """Return a name as the robot says it back: my keys are your keys."""
+    first, _, rest = said.partition(" ")
+    if first in ("my", "our"):
+        return f"your {rest}"
+    if said in ("mine", "ours"):
+        return f"your {kind_of(row)}"
+    if first.endswith(("'s", "s'")):
+        return f"{first.capitalize()} {rest or kind_of(row)}"
+    return rest if first in ("the", "a", "an") and rest else said
+
+
+def named(said: str, kind: str, now: datetime) -> tuple[str, str | None]:
+    """Return word and owner of a name as questions will have them: "Anna's keys", "mine"."""
+    from assistant.told import told_name, told_owner
+
+    if said in ("mine", "ours"):
+        return kind, "me"
+    alone = said.removesuffix("'s").removesuffix("'")
+    if alone != said and " " not in alone:
+        return kind, told_owner(alone)
+    return told_name(said, now)
+
+
+def _name_place(store: Store, said: PlaceNaming, scene: Scene, now: datetime) -> Learned:
+    radius = ROOM_M if said.name in lexicon().places else SPOT_M
+    around, where = None, "where I stand"
+    if scene.pointed is not None and not said.here:
+        if scene.pointed.position is None:
+            return Learned("I do not know where that is, so I cannot name the place.", done=False)
+        around = scene.pointed.position[:2]
+        where = row_name(scene.pointed)
+    taken = [r.name for r in store.regions() if r.name.casefold() == said.name.casefold()]
+    if taken and not said.anew:
+        ways = (f"Call this place anew the {taken[0]}", f"Where is the {taken[0]}?")
+        already = f"There is a place called {taken[0]} already. Shall I draw it anew here?"
+        return Learned(already, done=False, choices=ways[:1])
+    store_teaching.name_place(
+        store, said.name, around=around, radius_m=radius, replace=said.anew, at_ms=_ms(now)
+    )
+    return Learned(f"I will call the {radius:g} m around {where} “{said.name}”; {BACK}.")
+
+
+def _rename_place(store: Store, said: PlaceRenaming, now: datetime) -> Learned:
+    if said.new is None:
+        store_teaching.remove_place(store, said.name, at_ms=_ms(now))
+        return Learned(f"“{said.name}” is no place any more; {BACK}.")
+    store_teaching.rename_place(store, said.name, said.new, at_ms=_ms(now))
+    return Learned(f"I will call “{said.name}” “{said.new}”; {BACK}.")
+
+
+def _same(store: Store, said: Sameness, scene: Scene, now: datetime) -> Learned:
+    one = scene.row(said.row)
+    if one is None:
+        return _no_row(said.row, scene)
+    if said.other is None:
+        others = [row for row in scene.things if row.object_id != one.object_id]
+        if len(others) != 1:
+            return _which_other(one, others)
+        other: RankedKeyframe | None = others[0]
+    else:
+        other = scene.row(said.other)
+    if other is None:
+        return _no_row(said.other, scene)
+    if one.object_id == other.object_id:
+        return Learned(f"I take {_pair(one, other)} for one {kind_of(one)} already.")
+    kept, gone = sorted((one, other), key=lambda row: row.rank)
+    try:
+        store_teaching.merge(store, kept.object_id, gone.object_id, force=said.sure, at_ms=_ms(now))
+    except BadInput as error:
+        if said.sure:
+            raise
+        sure = f"Number {kept.rank} and number {gone.rank} are the same even so"
+        if "shows both" not in str(error):
+            raise
+        both = "One picture shows both, so I take them for two."
+        return Learned(both, done=False, choices=(sure,))
+    return Learned(f"I will take {_pair(kept, gone)} for one {kind_of(kept)}; {BACK}.")
+
+
+def _which_other(one: RankedKeyframe, others: Sequence[RankedKeyframe]) -> Learned:
+    if not others:
+        return Learned("There is no other thing in the list that it could be.", done=False)
+    numbers = [f"Number {one.rank} is the same as number {row.rank}" for row in others[:3]]
+    return Learned("The same as which?", done=False, choices=tuple(numbers))
+
+
+def _different(store: Store, said: Difference, scene: Scene, now: datetime) -> Learned:
+    one = scene.row(said.row)
+    if one is None:
+        return _no_row(said.row, scene)
+    other = scene.row(said.other) if said.other is not None else None
+    if said.other is not None and other is None:
+        return _no_row(said.other, scene)
+    if other is not None:
+        if other.object_id != one.object_id:
+            return Learned(f"I take {_pair(one, other)} for two things already.")
+        if same_place(one, other):
+            words = "Both are looks at one place, where I cannot tell two things apart."
+            return Learned(words, done=False)
+        one = max(one, other, key=lambda row: row.rank)
+    place = stay_of(store, one)
+    if place is None:
+        return Learned("I no longer find that sighting in my memory.", done=False)
+    stays = store.stays(object_ids=[one.object_id])
+    if len(stays) == 1:
+        words = f"I saw {row_name(one)} at this place only, as a thing of its own already."
+        return Learned(words, done=False)
+    store_teaching.split(store, one.object_id, place, at_ms=_ms(now))
+    return Learned(
+        f"I will take {row_name(one)} for another thing than what I saw elsewhere; {BACK}."
+    )
+
+
+def stay_of(store: Store, row: RankedKeyframe) -> int | None:
+    """Return the place number of the stay whose sighting a row shows, None where it is gone."""
+    seen = store.sightings(object_ids=[row.object_id], start_ms=_ms(row.start), end_ms=_ms(row.end))
+    exact = [each for each in seen if each.frame == row.frame and each.box == row.box]
+    return next((each.place for each in (*exact, *seen)), None)
+
+
+def _recall(store: Store) -> Learned:
+    past = store_teaching.history(store)
+    if not past:
+        return Learned("You have taught me nothing yet.")
+    newest = [each.said for each in reversed(past)][:3]
+    more = f", and {len(past) - 3} more before" if len(past) > 3 else ""
+    return Learned(f"You told me, the newest first: {'; '.join(newest)}{more}.")
+
+
+def undone_words(done: Correction) -> str:
+    """Return what is as it was before, in a sentence."""
+    said = done.arguments
+    match done.kind:
+        case "merge":
+            return "I have undone that: I take them for two things again."
+        case "split":
+            return "I have undone that: I take them for one thing again."
+        case "place":
+            before, after = ([each["name"] for each in said[k]] for k in ("before", "after"))
+            back = f"I know {listed([f'“{n}”' for n in before])} as before" if before else ""
+            gone = [f"“{name}”" for name in after if name not in before]
+            lost = f"{listed(gone)} is no place any more" if gone else ""
+            return f"I have undone that: {' and '.join(p for p in (lost, back) if p)}."
+        case "teach":
+            gone_names = [n for n in said["after"] if n not in said["before"]]
+            names = [called(word, owner) for word, owner in gone_names or said["before"]]
+            how = "no longer" if gone_names else "again"
+            return f"I have undone that: I know it {how} as {listed(names)}."
+        case _:
+            return f"I have undone that: {done.said}."
+
+
+def called(word: str, owner: str | None) -> str:
+    """Return a taught name as it is said back: “your key”, “Anna's key”, “excalibur”."""
+    whose = "" if owner is None else "your " if owner == "me" else f"{owner.capitalize()}'s "
+    return f"“{whose}{word}”"
+
+
+def row_name(row: RankedKeyframe) -> str:
+    """Return a row in words: the key (kitchen, by the table)."""
+    return f"the {kind_of(row)} ({place_words(row)})"
+
+
+def _pair(one: RankedKeyframe, other: RankedKeyframe) -> str:
+    return f"number {one.rank} and number {other.rank}"
+
+
+def _no_row(row: Row, scene: Scene) -> Learned:
+    if not scene.rows:
+        return Learned(NOTHING_SHOWN, done=False)
+    return Learned(f"There is no number {row}; the list has {len(scene.rows)}.", done=False)
+
+
+def _ms(moment: datetime) -> int:
+    return round(moment.timestamp() * 1000)

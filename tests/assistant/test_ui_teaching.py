@@ -1,0 +1,197 @@
+"""Teaching, pointing and choosing in the full-screen chat, over a real conversation."""
+
+from __future__ import annotations
+
+import threading
+
+import pytest
+from textual.command import CommandList, CommandPalette
+
+from assistant.conversation import Conversation
+from assistant.session import Session
+from assistant.ui.commands import COMMANDS
+from assistant.ui.lists import KeyframeList, QuestionList
+from d3a.answer import Answer
+from d3a.store.base import RecordingRecord, StoreUnreachable, TaughtName
+from tests.worlds import small_home
+from tests.worlds.oracle import OracleStore
+from tests.worlds.running_chat import Chat, chat
+
+
+def session_over(store: OracleStore) -> Session:
+    talk = Conversation(store, lambda: small_home.NOW)
+    return small_home.session(
+        store, talk.ask, alone=talk.alone, explain=talk.explain, pointer=talk.pointer
+    )
+
+
+def filled(store: OracleStore | None = None) -> OracleStore:
+    store = store or OracleStore()
+    small_home.fill(store)
+    return store
+
+
+def names(store: OracleStore, object_id: str) -> tuple[TaughtName, ...]:
+    return store.objects(ids=[object_id])[0].names
+
+
+def mark(c: Chat) -> int | None:
+    return c.app.chat.query_one(KeyframeList).highlighted
+
+
+async def test_the_row_under_the_mark_is_what_these_are() -> None:
+    store = filled()
+    async with chat(session_over(store)) as c:
+        await c.ask("what did you see today?")
+        rows = c.app.chat.keyframes
+        third = rows[2].object_id
+        await c.pilot.press("down", "3")
+        await c.until(lambda: c.app.chat.shot is not None and c.app.chat.shot.keyframe.rank == 3)
+        await c.pilot.press("escape")
+        await c.type("this is my favourite")
+        await c.until(lambda: "I will remember" in c.said())
+        assert [n.word for n in names(store, third)] == ["favourite"]
+        assert mark(c) == 2  # the mark stays where it was
+        await c.type("/undo")
+        await c.until(lambda: "I have undone that" in c.said())
+        assert names(store, third) == ()
+
+
+async def test_the_mark_follows_what_was_said() -> None:
+    async with chat(session_over(filled())) as c:
+        await c.ask("what did you see today?")
+        assert mark(c) == 0
+        await c.type("the second one")
+        await c.until(lambda: "You: the second one" in c.said())
+        assert mark(c) == 1
+        assert "more below" not in c.said()
+
+
+async def test_a_choice_is_taken_by_its_number() -> None:
+    async with chat(session_over(filled())) as c:
+        await c.ask("where is the cup or the bowl?")
+        shown = c.app.chat.query_one(QuestionList).lines_shown
+        assert len(shown) == 2
+        assert "or its number" in c.said()
+        await c.type("2")
+        await c.until(lambda: bool(c.app.chat.keyframes))
+        assert c.app.chat.keyframes[0].category == "bowl"
+        assert c.prompt().known.earlier == ("where is the cup or the bowl?",)
+
+
+async def test_choices_beside_a_list_stand_in_the_answer() -> None:
+    async with chat(session_over(filled())) as c:
+        await c.ask("what did you see today?")
+        await c.type("that is the same thing")
+        await c.until(lambda: "The same as which?" in c.said())
+        assert "1  Number 1 is the same as number 2" in c.said()
+        await c.type("1")
+        await c.until(lambda: "I will take number 1 and number 2" in c.said())
+
+
+@pytest.mark.parametrize("word", ["wrong", "mine", "undo", "taught", "other"])
+async def test_the_palette_says_what_may_be_typed(word: str) -> None:
+    async with chat(session_over(filled())) as c:
+        await c.ask("where are my keys?")
+        before = c.said()
+        c.app.action_command_palette()
+        await c.until(lambda: isinstance(c.app.screen, CommandPalette))
+        await c.pilot.press(*word)
+        await c.until(lambda: c.app.screen.query_one(CommandList).option_count >= 1)
+        await c.pilot.press("enter")
+        await c.until(lambda: c.said() != before and "You:" in c.said())
+        typed = COMMANDS[word][0].removeprefix("say('").removesuffix("')")
+        assert f"You: {typed}" in c.said()
+
+
+class Leaving(OracleStore):
+    """A store whose server goes away and comes back."""
+
+    here = True
+
+    def revision(self) -> tuple[int, int] | None:
+        self._answer()
+        return super().revision()
+
+    def recordings(self) -> list[RecordingRecord]:
+        self._answer()
+        return super().recordings()
+
+    def _answer(self) -> None:
+        if not self.here:
+            raise StoreUnreachable("mongodb://robot: no answer within 5 s")
+
+
+async def test_a_lost_store_offers_to_ask_again() -> None:
+    store = Leaving()
+    filled(store)
+    async with chat(session_over(store)) as c:
+        await c.ask("where are my keys?")
+        store.here = False
+        await c.type("where is the bowl?")
+        await c.until(lambda: "I cannot reach my memory" in c.said())
+        assert "Ask it again" in c.said()
+        store.here = True
+        await c.pilot.press("down", "enter")
+        await c.until(lambda: bool(c.app.chat.keyframes))
+        assert c.app.chat.keyframes[0].category == "bowl"
+
+
+async def test_again_asks_what_failed() -> None:
+    store = Leaving()
+    filled(store)
+    talk = Conversation(store, lambda: small_home.NOW)
+    store.here = False
+    assert talk.ask("where is the bowl?").status == "error"
+    store.here = True
+    assert talk.ask("again").keyframes[0].category == "bowl"
+
+
+async def test_a_store_lost_while_it_is_taught_is_an_answer() -> None:
+    store = Leaving()
+    filled(store)
+    talk = Conversation(store, lambda: small_home.NOW)
+    talk.ask("where are my keys?")
+    store.here = False
+    answer = talk.ask("these are my keys")
+    assert (answer.status, answer.suggestions) == ("error", ("these are my keys",))
+    store.here = True
+    assert "I will remember" in talk.ask(answer.suggestions[0]).answer
+
+
+async def test_of_many_late_answers_the_newest_stands() -> None:
+    """Ten questions at once, the first slow: only the last one's answer is ever shown."""
+    release = threading.Event()
+    asked: list[str] = []
+
+    def slowly(text: str) -> Answer:
+        if text.startswith("question"):
+            asked.append(text)
+        if text == "question 0":
+            release.wait(5)
+        return small_home.answer(text)
+
+    async with chat(small_home.session(filled(), slowly, suggestions=("where",))) as c:
+        c.app.ask("question 0")
+        await c.until(lambda: asked == ["question 0"])
+        for number in range(1, 10):
+            c.app.ask(f"question {number}")
+        release.set()
+        await c.until(lambda: "You: question 9" in c.said())
+        await c.pilot.pause(0.1)
+        assert "You: question 9" in c.said()
+        assert asked == ["question 0", "question 9"]  # what is late already is not even asked
+        assert c.app.chat.earlier == ""
+
+
+async def test_taught_words_are_never_markup() -> None:
+    store = filled()
+    async with chat(session_over(store)) as c:
+        await c.ask("where are my keys?")
+        await c.type("call it [red]x[/red] [/]")
+        await c.until(lambda: "I will remember" in c.said())
+        assert "[red]x[/red] [/]" in c.said()
+        [name] = names(store, c.app.chat.keyframes[0].object_id)
+        assert "[red]x" in name.word
+        await c.pilot.press("f5", "escape", "f7", "escape")
+        assert c.app.is_running
