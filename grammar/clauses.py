@@ -56,7 +56,9 @@ class ClauseTagger(Cursor):
             return True
         if self._text(k) in ("has", "have", "had"):
             none = self._text(k + 1) == "no"
-            return self._part_of(k + 1 + none, without=none)
+            if self._part_of(k + 1 + none, without=none):
+                return True
+            return not none and self._holds(k + 1)
         if [self._text(k + n) for n in (1, 2)] == ["not", "have"]:
             return self._part_of(k + 3, without=True)
         if self._text(k) in ("belongs", "belong", "belonged") and self._text(k + 1) == "to":
@@ -70,7 +72,8 @@ class ClauseTagger(Cursor):
 
     def _relative(self, k: int) -> bool:
         """Read the cup (that) i left on the table: the subject and its verb say nothing more."""
-        if self._text(k) not in _SUBJECTS:
+        named = self._text(self.i) == "that" and self._text(k) in self.lexicon.names
+        if not named and self._text(k) not in _SUBJECTS:
             return self._happened(k)
         k += 1
         while self._text(k) in _AUXILIARY or self._text(k) in _BEFORE_VERB:
@@ -82,6 +85,13 @@ class ClauseTagger(Cursor):
             self.words
         ):
             self.i += 1  # the banjo that i usually keep around
+        return True
+
+    def _holds(self, k: int) -> bool:
+        """Read the box that has my tools as the box with them."""
+        if not self._noun_phrase_at(k):
+            return False
+        self._emit("REL", "together", k - self.i)
         return True
 
     def _happened(self, k: int) -> bool:

@@ -94,6 +94,10 @@ class NounReader:
                 pending = k if pending is None else pending
                 k += size or 1
                 continue
+            if pending == k - 1 and self._made(words, k, end):
+                found.append((_other(f"{words[k - 1].text} {words[k].text}"), k - 1, k + 1))
+                pending, k = None, k + 1
+                continue
             if pending is not None:
                 found += self._before_attribute(words, pending, k, k + attribute[2] < end)
                 pending = None
@@ -103,6 +107,15 @@ class NounReader:
         if pending is not None:
             found.append(self._noun(words, pending, end))
         return found
+
+    def _made(self, words: list[Word], k: int, end: int) -> bool:
+        """Whether a participle at `k`, before a noun, is said with the word before it.
+
+        So a hand painted vase and a gold rimmed mirror.
+        """
+        return (
+            k + 1 < end and adjectives.describes(words[k].text, ()) and words[k].text[-2:] == "ed"
+        )
 
     def _is_thing(self, words: list[Word], first: int, last: int) -> bool:
         """Whether the noun so far is `something`: what follows describes it."""

@@ -16,7 +16,7 @@ _ASKING = (
 )  # fmt: skip
 SUBJECT_OF = words_of(
     "about regarding concerning called named titled entitled labeled labelled marked saying "
-    "depicting"
+    "depicting containing holding"
 )
 """Words before what a book, a jar or a picture is about: that names no other thing."""
 VERBAL = ("SEE", "LEAVE", "FINDS", "GO", "MOVED", "MISSING")

@@ -120,13 +120,18 @@ def plain(words: list[Word], lexicon: Lexicon) -> list[Word]:
 
 def _without_thought(words: list[Word]) -> list[Word]:
     """Take out who thinks or says it: `where do you think my keys are`."""
-    said = tuple(w.text for w in words[1:4])
+    opening = [w.text for w in words[:4]]
+    seen = opening[:2] in (["did", "you"], ["have", "you"]) and len(words) > 5
+    if seen and opening[2] in _NOTICING and opening[3] in (*QUESTION_WORDS, "if"):
+        return words[3:]  # have you seen where my phone is
+    said = tuple(opening[1:])
     thought = len(said) == 3 and said[:2] in _THINKING and said[2] in _THOUGHTS
     if words and words[0].text in QUESTION_WORDS and thought and len(words) > 5:
         return [words[0], *words[4:]]
     return words
 
 
+_NOTICING = words_of("see seen notice noticed")
 _THINKING = (("do", "you"), ("did", "you"), ("did", "i"), ("would", "you"))
 _THOUGHTS = words_of("think believe reckon guess suppose say tell")
 
