@@ -232,16 +232,19 @@ class Associator:
         keyframes = self._pictures.take(wanted | self._pipeline.images(), self.skipped)
         for kind in ("sightings", "encounters"):
             fields[kind] = [self._without_unreadable(record) for record in fields[kind]]
-        counts = dict(reader_skipped.counts)
-        for reason, count in self.skipped.counts.items():
-            counts[reason] = counts.get(reason, 0) + count
-        self.record = replace(self.record, done=done, skipped=tuple(sorted(counts.items())))
-        history = self._apply(fields, keyframes, done=done)
+        history = self._apply(fields, keyframes, reader_skipped, done=done)
         self._ledger.clear()
         if done:
             self._store.collect_keyframes(sorted(history.pictures()))
 
-    def _apply(self, fields: dict[str, Any], keyframes: list[Keyframe], *, done: bool) -> History:
+    def _apply(
+        self,
+        fields: dict[str, Any],
+        keyframes: list[Keyframe],
+        reader_skipped: Skipped,
+        *,
+        done: bool,
+    ) -> History:
         """Write what was seen, under what people have said by now; return their history."""
         known = self._corrections
         while True:
@@ -252,10 +255,18 @@ class Associator:
                 )
             self._said = self._store.meta(SAID)
             history = History.read(self._store)
-            made = reconcile(self._store, history, known, fields, self.skipped)
+            try:
+                made = reconcile(self._store, history, known, fields, self.skipped, self._said)
+            except StoreConflict:
+                continue
             self._pipeline.correct(made.changed)
             self._pipeline.take_constraints(made.history.constraints())
             self._corrections = made.history.moving()
+            counts = Skipped()
+            counts.join(reader_skipped)
+            counts.join(self.skipped)
+            left_out = tuple(sorted(counts.counts.items()))
+            self.record = replace(self.record, done=done, skipped=left_out)
             meta = self._meta() | made.meta
             if history.serial > 0:
                 meta |= acknowledged(made.history, done=done)
