@@ -30,8 +30,10 @@ UNKNOWN = 0.5
 """The chance of an attribute for an object without a picture, where others have one."""
 SIZE_SPREAD = 0.25
 """Deviation of the logarithm of a measured size: depth and boxes are rough."""
-LEAST_ONCE = 0.5
-"""One look, under one light, says of an attribute no more than that it is likelier than not."""
+LEAST_ONCE = 0.85
+"""Of a thing seen once, which may be a mistake of the detector, a yes needs to be this likely."""
+LEAST_DOUBTFUL = 0.05
+"""What is less likely than this is not even listed below what is likely."""
 LEAST_SIZED = 3
 """Sizes are relative: with fewer measured things of the kind, nothing is big or small."""
 _SIZES: dict[str, tuple[str, float]] = {
@@ -49,10 +51,14 @@ _SIZES: dict[str, tuple[str, float]] = {
 
 @dataclass(frozen=True, slots=True)
 class Judged:
-    """Who keeps the attributes, by object id, and which words nobody could judge."""
+    """Who keeps the attributes, by object id, and which words nobody could judge.
+
+    doubtful: the ids of those kept that are rather refused, where the step lists doubts.
+    """
 
     kept: dict[str, Candidate]
     unjudged: tuple[str, ...]
+    doubtful: frozenset[str] = frozenset()
 
 
 def judged(
@@ -86,7 +92,11 @@ def judged(
             chance = 1 - single[0]
             opposite = (chance, chance >= LEAST_ODDS * single[0])
         _add(scores, unjudged, f"not {word}", opposite)
-    return Judged(_kept(found, scores), tuple(unjudged))
+    kept = _kept(found, scores)
+    if not step.doubts:
+        return Judged(kept, tuple(unjudged))
+    listed = _kept(found, _doubted(scores), least_once=0.0)
+    return Judged(listed, tuple(unjudged), frozenset(listed) - frozenset(kept))
 
 
 def merged_shades(words: Sequence[str]) -> list[str]:
@@ -148,7 +158,8 @@ def _colour(
     if not rows:
         return None
     matrix = np.stack([cast("NDArray[np.float32]", found[i].record.embedding) for i in rows])
-    verdict = judge(colours, matrix, palette())
+    views = np.array([found[i].record.weight for i in rows], dtype=np.float64)
+    verdict = judge(colours, matrix, palette(), views)
     probability = np.full(len(found), UNKNOWN)
     tenable = np.ones(len(found), dtype=np.bool_)
     probability[rows] = verdict.probability
@@ -187,13 +198,21 @@ def _measure(extent: tuple[float, float], measure: str) -> float:
     return height if measure == "height" else width
 
 
+def _doubted(
+    scores: Sequence[tuple[str, NDArray[np.float64], NDArray[np.bool_]]],
+) -> list[tuple[str, NDArray[np.float64], NDArray[np.bool_]]]:
+    """Return the scores with all tenable that is worth listing."""
+    return [(word, p, tenable | (p >= LEAST_DOUBTFUL)) for word, p, tenable in scores]
+
+
 def _kept(
     found: Sequence[Candidate],
     scores: Sequence[tuple[str, NDArray[np.float64], NDArray[np.bool_]]],
+    least_once: float = LEAST_ONCE,
 ) -> dict[str, Candidate]:
     kept: dict[str, Candidate] = {}
     for i, candidate in enumerate(found):
-        least = LEAST_ONCE if candidate.record.tentative else 0.0
+        least = least_once if candidate.record.tentative else 0.0
         if all(tenable[i] and p[i] >= least for _, p, tenable in scores):
             told = {word: float(np.clip(p[i], 0.0, 1.0)) for word, p, _ in scores}
             kept[candidate.record.object_id] = replace(

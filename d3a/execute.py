@@ -220,7 +220,7 @@ def _judge(run: Run, step: JudgeAttributes) -> None:
     for words in verdict.unjudged:
         run.leave_out(words)
     table.refused = [c for name, c in table.candidates.items() if name not in verdict.kept]
-    table.candidates = verdict.kept
+    table.candidates, table.doubtful = verdict.kept, verdict.doubtful
 
 
 def _find_sightings(run: Run, step: FindSightings) -> None:
@@ -332,8 +332,9 @@ def _related(run: Run, step: Relate, figure: Found, ground: Found) -> Related:
 
 def _rank(run: Run, step: Rank) -> None:
     run.rank_step = step
+    moments = run.without_mere_doubts([m for var in step.vars for m in run.answering(var)])
     run.ranked = rank(
-        [moment for var in step.vars for moment in run.answering(var)],
+        moments,
         step.select,
         spread=step.spread,
         unjudged=len(run.unjudged),

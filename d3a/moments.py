@@ -26,7 +26,8 @@ class Found:
 
     candidates: by object id. place: how likely a sighting lies in the asked region.
     held: how likely the relation that describes the object ever held for a stay.
-    refused: what the word means, but not the attributes. gone: sightings that no longer held at
+    refused: what the word means, but not the attributes; doubtful: candidates that hold them less
+    likely than not, to be told only beside others. gone: sightings that no longer held at
     the moment asked for.
     known: whether a category, a taught name or a detector's class knows the word.
     """
@@ -38,12 +39,20 @@ class Found:
     held: dict[StayKey, float] = field(default_factory=dict)
     known: bool = True
     refused: list[Candidate] = field(default_factory=list)
+    doubtful: frozenset[str] = frozenset()
     gone: list[Sighting] = field(default_factory=list)
 
     @property
     def ids(self) -> list[str]:
         """Return the ids of the candidates, sorted."""
         return sorted(self.candidates)
+
+    def refuse_doubtful(self) -> None:
+        """Count what is doubtful among what is refused."""
+        self.refused += [c for name, c in self.candidates.items() if name in self.doubtful]
+        self.candidates = {n: c for n, c in self.candidates.items() if n not in self.doubtful}
+        self.sightings = [s for s in self.sightings if s.object_id not in self.doubtful]
+        self.doubtful = frozenset()
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,6 +87,11 @@ class Moment:
     def figure(self) -> Entry:
         """Return the entry of the query's first object."""
         return self.entries[0]
+
+    @property
+    def ids(self) -> tuple[str, ...]:
+        """Return the ids of its objects, the figure's first."""
+        return tuple(entry.sighting.object_id for entry in self.entries)
 
 
 def joined(sightings: Iterable[Sighting]) -> list[Sighting]:

@@ -171,7 +171,8 @@ def _term_steps(
     find = FindObjects(var, term.category, term.word, term.owner, precision, votes)
     steps: list[Step] = [find]
     if (term.attributes or term.without) and precision not in ("category", "any"):
-        steps.append(JudgeAttributes(var, term.attributes, term.without))
+        doubts = figure and _lists_doubts(query, term)
+        steps.append(JudgeAttributes(var, term.attributes, term.without, doubts))
     if query.time is not None and query.time.is_point and query.time.start is not None:
         steps.append(FindEdge(var, "last", query.time.start))
         steps.append(FindEdge(var, "first", query.time.start))
@@ -224,6 +225,13 @@ def _tells_sightings(query: FormalQuery, term: ObjectTerm) -> bool:
     chosen = query.ask in ("whether", "where", "when", "what") and query.select != "usual"
     plain = query.relation is None and query.place is None and term.where is None
     return chosen and plain and len(query.objects) == 1 and term.quantity is None
+
+
+def _lists_doubts(query: FormalQuery, term: ObjectTerm) -> bool:
+    """Whether the answer is a list by likelihood, which may end in what is doubtful."""
+    listed = query.select == "all" and query.ask in ("whether", "where", "what", "when")
+    sifted = term.quantity is not None or term.where is not None or query.place is not None
+    return listed and not sifted and not query.negated and not term.without
 
 
 def _spreads(query: FormalQuery) -> bool:

@@ -1,7 +1,8 @@
 """Rank moments by their probability of correctness (paper: "ordered by their probability").
 
-The score is a product of what must all be true: the word means the object, the colour is the
-asked one, the detector was right, the relation held. Every factor is kept and told in `why`.
+The score begins as a product of what must all be true: the word means the object, the colour is
+the asked one, the detector was right, the relation held. As these are not independent, the product
+is then calibrated (`d3a.calibration`). Every factor is kept and told in `why`.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
+from d3a.calibration import calibrated, kind_of
 from d3a.model import Json
 from d3a.moments import Entry, Moment
 from grammar.forms import Select
@@ -23,22 +25,25 @@ UNJUDGED = 0.6
 LEAST_OF_BEST = 0.5
 """Time, or variety, decides the order among those at least this likely against the best."""
 
-AS_LIKELY = 0.99
-"""Against the best: nobody is told a difference of less than one in a hundred."""
+AS_LIKELY = 0.98
+"""Against the best: nobody is told a difference of so few in a hundred."""
 
 
 @dataclass(frozen=True, slots=True)
 class Ranked:
     """A moment with its score 0..1.
 
-    unjudged: how many conditions of the question were left out. repeat: the factor that takes a
-    repeat to the score of what stands before it.
+    unjudged: how many conditions of the question were left out. product: of the parts that must
+    all be true; calibration: the factor from it to the probability of being right. repeat: the
+    factor that takes a repeat to the score of what stands before it.
     """
 
     moment: Moment
     score: float
     unjudged: int = 0
     repeat: float = 1.0
+    calibration: float = 1.0
+    product: float = 1.0
 
     @property
     def why(self) -> tuple[Json, ...]:
@@ -50,6 +55,8 @@ class Ranked:
             extra["share"] = round(self.moment.share, 4)
         if self.unjudged:
             extra["unjudged"] = round(UNJUDGED**self.unjudged, 4)
+        if self.calibration != 1.0:
+            extra["calibration"] = round(self.calibration, 4)
         if self.repeat < 1.0:
             extra["repeat"] = round(self.repeat, 4)
         return tuple(entry_score(entry)[1] | extra for entry in self.moment.entries)
@@ -125,14 +132,16 @@ def _is_tentative(entry: Entry) -> bool:
 
 
 def _scored(moment: Moment, unjudged: int) -> Ranked:
-    score = UNJUDGED**unjudged
+    product = 1.0
     for entry in moment.entries:
-        score *= _worth(entry)
+        product *= _worth(entry)
     if moment.relation is not None:
-        score *= moment.relation
-    if moment.share is not None:
-        score *= moment.share
-    return Ranked(moment, min(1.0, max(0.0, score)), unjudged)
+        product *= moment.relation
+    by_looks = any(entry.candidate.attributes for entry in moment.entries)
+    right = calibrated(product, kind_of(len(moment.entries), by_looks=by_looks))
+    score = right * UNJUDGED**unjudged * (1.0 if moment.share is None else moment.share)
+    factor = right / product if product > 0 else 1.0
+    return Ranked(moment, score, unjudged, calibration=factor, product=product)
 
 
 def _by_score(ranked: Ranked) -> tuple[float, int, str, int]:
@@ -140,8 +149,8 @@ def _by_score(ranked: Ranked) -> tuple[float, int, str, int]:
     return (-ranked.score, ranked.moment.start_ms, sighting.object_id, sighting.place)
 
 
-def _objects(moment: Moment) -> tuple[str, ...]:
-    return tuple(entry.sighting.object_id for entry in moment.entries)
+def _ids(moment: Moment) -> tuple[str, ...]:
+    return moment.ids
 
 
 def _places(moment: Moment) -> tuple[tuple[str, int], ...]:
@@ -176,7 +185,7 @@ def _new_first(scored: Sequence[Ranked]) -> list[Ranked]:
         out = _covering(waiting)
         chosen = {id(one) for one in out}
         waiting = [one for one in waiting if id(one) not in chosen]
-    for key_of in (_objects, _places):
+    for key_of in (_ids, _places):
         seen = {key_of(one.moment) for one in out}
         again: list[Ranked] = []
         for one in waiting:
@@ -202,9 +211,9 @@ def _covering(scored: Sequence[Ranked]) -> list[Ranked]:
     pairs: dict[str, dict[tuple[str, ...], Ranked]] = {}
     for one in scored:
         frame = one.moment.figure.sighting.frame
-        pairs.setdefault(frame, {}).setdefault(_objects(one.moment), one)
-    least = scored[0].score * AS_LIKELY
-    likeliest = {one.moment.figure.sighting.frame for one in scored if one.score >= least}
+        pairs.setdefault(frame, {}).setdefault(one.moment.ids, one)
+    least = max(one.product for one in scored) * AS_LIKELY
+    likeliest = {one.moment.figure.sighting.frame for one in scored if one.product >= least}
     out: list[Ranked] = []
     done: set[tuple[str, ...]] = set()
 
@@ -243,13 +252,13 @@ def _distance(moment: Moment, at_ms: int) -> tuple[int, int]:
 def _by_time(scored: Sequence[Ranked], when: Callable[[Moment], tuple[int, int]]) -> list[Ranked]:
     if not scored:
         return []
-    least = scored[0].score * LEAST_OF_BEST
-    likely = [one for one in scored if one.score >= least]
-    rest = [one for one in scored if one.score < least]
+    least = scored[0].product * LEAST_OF_BEST  # a newer look is told, though one look is no proof
+    likely = [one for one in scored if one.product >= least]
+    rest = [one for one in scored if one.product < least]
 
     def key_of(one: Ranked) -> tuple[int, int, float, str, int]:
         sighting = one.moment.figure.sighting
-        return (*when(one.moment), -one.score, sighting.object_id, sighting.place)
+        return (*when(one.moment), -one.product, sighting.object_id, sighting.place)
 
     likely.sort(key=key_of)
     once: set[tuple[tuple[str, int], ...]] = set()

@@ -98,6 +98,21 @@ class Run:
         placed = any(isinstance(step, FilterPlace) for step in self.steps)
         return placed or var in self.rooms
 
+    def doubtful(self) -> frozenset[str]:
+        """Return the ids of what rather lacks the attributes asked for."""
+        return frozenset().union(*(found.doubtful for found in self.found.values()))
+
+    def without_mere_doubts(self, moments: list[Moment]) -> list[Moment]:
+        """Return the moments; none where all are doubtful: then who is doubtful is refused."""
+        doubtful = self.doubtful()
+        if not doubtful or any(doubtful.isdisjoint(moment.ids) for moment in moments):
+            return moments
+        for found in self.found.values():
+            found.refuse_doubtful()
+        if self.moments is not None:
+            self.moments = []
+        return []
+
     def leave_out(self, condition: str) -> None:
         """Note a condition that this store cannot judge."""
         if condition not in self.unjudged:

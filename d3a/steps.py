@@ -39,11 +39,15 @@ class FindObjects:
 
 @dataclass(frozen=True, slots=True)
 class JudgeAttributes:
-    """Score what must hold of the objects of `var`, and what must not; drop who is refused."""
+    """Score what must hold of the objects of `var`, and what must not; drop who is refused.
+
+    doubts: keep who is doubtful, to be listed below who is likely; alone they are no answer.
+    """
 
     var: str
     attributes: tuple[str, ...]
     without: tuple[str, ...] = ()
+    doubts: bool = False
 
 
 @dataclass(frozen=True, slots=True)

@@ -35,7 +35,8 @@ class Question:
 
     alternatives: at each level, how many answers (objects, pairs) fit the words as well as the
     asked one, itself among them: from it comes the ceiling of MRR. negative: nothing fits the
-    words at the Attribute level. slice_ms: of Q3, half-open.
+    words at the Attribute level. slice_ms: of Q3, half-open. terms: colour and category of each
+    thing asked for, as spoken.
     """
 
     form: Form
@@ -44,6 +45,7 @@ class Question:
     alternatives: dict[Level, int] = field(default_factory=dict)
     slice_ms: tuple[int, int] | None = None
     negative: bool = False
+    terms: tuple[tuple[str, str], ...] = ()
 
 
 def taught_name(number: int) -> str:
@@ -132,6 +134,7 @@ class _Maker:
             card,
             self._words("Did you ever see {0}?", card, article="a"),
             self._among(self._seen, k),
+            terms=self._terms(card),
         )
 
     def pair(self) -> Question | None:
@@ -139,7 +142,7 @@ class _Maker:
         if card is None:
             return None
         words = self._words("When were {0} and {1} seen together?", card, article="the")
-        return Question("Q2", card, words, self._pairs_like(card))
+        return Question("Q2", card, words, self._pairs_like(card), terms=self._terms(card))
 
     def sliced(self) -> Question | None:
         card = self._slices.deal()
@@ -154,13 +157,15 @@ class _Maker:
             self._words(self._where(start, end), card, article="the"),
             self._among(self._seen_between(start, end), k),
             (start, end),
+            terms=self._terms(card),
         )
 
     def no_such_object(self) -> Question | None:
         term = self._absent_term(self._seen)
         if term is None:
             return None
-        return Question("Q1", (), {"attribute": f"Did you ever see {_a(term)}?"}, negative=True)
+        text = f"Did you ever see {_a(' '.join(term))}?"
+        return Question("Q1", (), {"attribute": text}, negative=True, terms=(term,))
 
     def no_such_pair(self) -> Question | None:
         """Ask for two things that exist in these colours, though none were ever in one frame."""
@@ -171,7 +176,7 @@ class _Maker:
         if one.category == other.category or terms in together:
             return None
         text = f"When were the {terms[0]} and the {terms[1]} seen together?"
-        return Question("Q2", (), {"attribute": text}, negative=True)
+        return Question("Q2", (), {"attribute": text}, negative=True, terms=self._terms((a, b)))
 
     def not_then(self) -> Question | None:
         """Ask for a thing in a slice in which nothing of its kind and colour was seen."""
@@ -182,14 +187,19 @@ class _Maker:
         if self._term(k) in seen:
             return None
         text = self._where(start, end).format(f"the {self._term(k)}")
-        return Question("Q3", (), {"attribute": text}, {}, (start, end), negative=True)
+        terms = self._terms((k,))
+        return Question("Q3", (), {"attribute": text}, {}, (start, end), negative=True, terms=terms)
 
-    def _absent_term(self, seen: Sequence[int]) -> str | None:
+    def _terms(self, things: Sequence[int]) -> tuple[tuple[str, str], ...]:
+        objects = self._truth.objects
+        return tuple((objects[k].colour, objects[k].category) for k in things)
+
+    def _absent_term(self, seen: Sequence[int]) -> tuple[str, str] | None:
         category = str(self._rng.choice(self._kinds))
         colour = str(self._rng.choice(self._colours))
         if any(self._term(k) == f"{colour} {category}" for k in seen):
             return None
-        return f"{colour} {category}"
+        return colour, category
 
     def _term(self, k: int) -> str:
         one = self._truth.objects[k]

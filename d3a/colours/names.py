@@ -88,6 +88,11 @@ def words_of(colour: str) -> tuple[str, ...]:
     return tuple(word for word in spelled if word)
 
 
+def is_metal(colour: str) -> bool:
+    """Whether a colour is that of a polished metal, whose parts mirror dark and bright."""
+    return not _METALS.isdisjoint(words_of(colour)[-1:])
+
+
 def _of_reddish(word: str) -> str:
     """Return the basic term inside of `reddish`, `greyish`; another word as it is."""
     if not word.endswith("ish"):

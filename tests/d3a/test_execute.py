@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from d3a.answer import Answer
-from d3a.attributes import judged
+from d3a.attributes import Judged, judged
 from d3a.colours import Palette
 from d3a.execute import execute
 from d3a.match import Candidate
@@ -407,19 +407,47 @@ def test_times_of_the_steps_are_told(kitchen: Home) -> None:
     assert elapsed["total"] >= elapsed["retrieve"] >= 0
 
 
-def test_one_look_must_say_more_likely_than_not() -> None:
+def test_one_look_must_be_nearly_sure() -> None:
     rng = np.random.default_rng(0)
-    look = painted((210.0, 60.0, 36.0), rng)  # a little less a red than an orange
-    palette = Palette.of(np.stack([look, painted(PAINTS["green"], rng)]))
-    often = ObjectRecord("often", "cup", 1.0, 0, 0, embedding=look)
-    found = [
-        Candidate(often, 1.0),
-        Candidate(replace(often, object_id="once", tentative=True), 1.0),
-    ]
+    between = painted((210.0, 60.0, 36.0), rng)  # as much a red as an orange
+    clear = painted(PAINTS["orange"], rng)
+    palette = Palette.of(np.stack([between, clear, painted(PAINTS["green"], rng)]))
+    often = ObjectRecord("often", "cup", 1.0, 0, 0, embedding=between)
+    once = replace(often, object_id="once", tentative=True)
+    found = [Candidate(often, 1.0), Candidate(once, 1.0)]
+    found.append(Candidate(replace(once, object_id="clear", embedding=clear), 1.0))
 
-    def kept(colour: str) -> dict[str, Candidate]:
-        return judged(JudgeAttributes("x", (colour,)), found, lambda: palette, Words()).kept
+    def told(colour: str, *, doubts: bool = False) -> Judged:
+        step = JudgeAttributes("x", (colour,), doubts=doubts)
+        return judged(step, found, lambda: palette, Words())
 
-    assert set(kept("red")) == {"often"}
-    assert 1 / 3 <= kept("red")["often"].attributes["red"] < 0.5
-    assert set(kept("orange")) == {"often", "once"}
+    assert set(told("red").kept) == {"often"}
+    assert 1 / 3 <= told("red").kept["often"].attributes["red"] < 0.5
+    assert set(told("orange").kept) == {"often", "clear"}
+    doubted = told("orange", doubts=True)
+    assert set(doubted.kept) == {"often", "clear", "once"}
+    assert doubted.doubtful == {"once"}
+
+
+def test_what_is_doubtful_is_listed_below_what_is_likely_and_never_alone() -> None:
+    def cups(*paints: tuple[str, str | tuple[float, float, float]]) -> Home:
+        home = Home()
+        for number, (name, paint) in enumerate(paints):
+            home.thing(name, "cup", paint=paint)
+            home.seen(name, 10 * number, at=(number, 0, 1))
+        for number, paint in enumerate(("green", "blue", "white", "brown", "orange")):
+            home.thing(paint, "bowl", paint=paint)
+            home.seen(paint, 5 * number, at=(number, 5, 1))
+        return home
+
+    rusty = ("rusty", (150.0, 66.0, 38.0))
+    both = run(cups(("red", "red"), rusty), query(term("cup", "red")))
+    assert ids(both) == ["red", "rusty"]
+    assert both.keyframes[1].why["attributes"]["red"] < 1 / 3
+    assert both.count == 1
+    alone = run(cups(rusty), query(term("cup", "red")))
+    assert (alone.status, alone.keyframes) == ("not_found", ())
+    assert alone.otherwise is not None
+    assert alone.otherwise.object_id == "rusty"
+    counted = run(cups(("red", "red"), rusty), query(term("cup", "red"), ask="count"))
+    assert ids(counted) == ["red"]

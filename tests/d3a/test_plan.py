@@ -44,7 +44,7 @@ def test_q1_finds_judges_and_ranks() -> None:
     query = FormalQuery("", "Q1", "whether", (CUP,))
     assert plan(query).steps == (
         FindObjects("x", "cup", "mug", "anna", votes=True),
-        JudgeAttributes("x", ("pink",)),
+        JudgeAttributes("x", ("pink",), doubts=True),
         FindSightings("x", select="all"),
         FindStays("x"),
         Measure("whether", "x"),
@@ -194,5 +194,5 @@ def test_plan_is_printable_as_data_and_as_lines() -> None:
         "owner": "anna",
         "votes": True,
     }
-    assert steps.lines()[1] == "JudgeAttributes(var='x', attributes=['pink'])"
+    assert steps.lines()[1] == "JudgeAttributes(var='x', attributes=['pink'], doubts=True)"
     assert len(steps.lines()) == len(steps.steps)

@@ -16,6 +16,12 @@ from d3a.store.base import ObjectRecord, Sighting, StayRecord
 from grammar.forms import Select
 
 
+@pytest.fixture(autouse=True)
+def _uncalibrated(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Take the product of the parts as it is: `test_calibration` tests the rest."""
+    monkeypatch.setattr("d3a.rank.calibrated", lambda product, kind: product)
+
+
 def moment(
     name: str,
     start: int,
