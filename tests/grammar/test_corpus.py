@@ -36,6 +36,8 @@ def meanings() -> Iterator[tuple[str, datetime, Json, list[str]]]:
     """Yield (file, now, want, sayings) of every meaning."""
     for path in sorted(CORPUS.glob("*.toml")):
         record = tomllib.loads(path.read_text(encoding="utf-8"))
+        if "now" not in record:  # sayings of the chat, judged with it
+            continue
         for meaning in record.get("meaning", ()):
             now = datetime.fromisoformat(record["now"])
             yield path.stem, now, meaning["want"], meaning["says"]
