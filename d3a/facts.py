@@ -33,8 +33,8 @@ MOST_KEPT = 5_000
 """So many stays are kept between questions at most."""
 MOST_OBJECTS = 50_000
 """And so many records of objects, half a kilobyte each."""
-MOST_LOOKS = 10_000
-"""With their embeddings they are five times as large."""
+MOST_LOOKS = 25_000
+"""With their embeddings they are five times as large: 60 MB at most."""
 MOST_SIGHTINGS = 20_000
 FEW_UNKNOWN = 16
 """Of so few objects all stays are read, and kept for the next question."""
