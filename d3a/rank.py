@@ -23,8 +23,10 @@ TENTATIVE = 0.8
 UNJUDGED = 0.6
 """A condition that nobody could judge may well not hold."""
 LEAST_OF_BEST = 0.5
-"""Time, or variety, decides the order among those at least this likely against the best."""
+"""Time decides the order among those at least this likely against the best."""
 
+VARIED = 0.8
+"""Against the best: among those so likely what is new comes first, and no score falls by more."""
 AS_LIKELY = 0.98
 """Against the best: nobody is told a difference of so few in a hundred."""
 
@@ -164,7 +166,7 @@ def _spread(scored: Sequence[Ranked]) -> list[Ranked]:
     """
     if not scored:
         return []
-    least = scored[0].score * LEAST_OF_BEST
+    least = scored[0].score * VARIED
     likely = [one for one in scored if one.score >= least]
     out: list[Ranked] = []
     for group in (likely, scored[len(likely) :]):

@@ -75,17 +75,17 @@ def test_all_goes_by_score_and_ties_by_time_then_id() -> None:
 
 def test_each_place_comes_once_before_any_twice() -> None:
     unlikely = moment("c", 70, probability=0.3)
-    moments = [moment("a", 0), moment("a", 100), moment("b", 50, probability=0.6), unlikely]
+    moments = [moment("a", 0), moment("a", 100), moment("b", 50, probability=0.8), unlikely]
     assert order(moments, spread=True) == ["a@0", "b@50", "a@100", "c@70"]
     ranked = rank(moments, "all", spread=True)
-    assert [one.score for one in ranked] == pytest.approx([0.9, 0.6, 0.6, 0.3])
-    assert ranked[2].why[0]["repeat"] == pytest.approx(0.6667)
+    assert [one.score for one in ranked] == pytest.approx([0.9, 0.8, 0.8, 0.3])
+    assert ranked[2].why[0]["repeat"] == pytest.approx(0.8889)
     assert "repeat" not in ranked[3].why[0]
 
 
 def test_each_object_comes_once_before_its_other_places() -> None:
-    moments = [moment("a", 0), moment("a", 10, place=1), moment("b", 20, probability=0.6)]
-    moments += [moment("a", 30, place=1), moment("b", 40, probability=0.6)]
+    moments = [moment("a", 0), moment("a", 10, place=1), moment("b", 20, probability=0.8)]
+    moments += [moment("a", 30, place=1), moment("b", 40, probability=0.8)]
     assert order(moments, spread=True) == ["a@0", "b@20", "a@10", "a@30", "b@40"]
 
 
@@ -98,7 +98,7 @@ def pair(a: str, b: str, start: int, frame: str, probability: float = 0.9) -> Mo
 def test_the_picture_of_most_new_pairs_comes_first_and_each_pair_before_any_twice() -> None:
     again = [pair("a", "b", t, f"f{t}") for t in (0, 10, 20)]
     both = [pair("a", "b", 30, "both"), pair("a", "c", 30, "both"), pair("b", "c", 30, "both")]
-    other = pair("c", "d", 50, "other", probability=0.8)
+    other = pair("c", "d", 50, "other", probability=0.85)
     ranked = rank([*again, *both, other], "all", spread=True)
     shown = [
         (one.moment.figure.sighting.frame, one.moment.entries[1].sighting.object_id)
@@ -111,7 +111,7 @@ def test_the_picture_of_most_new_pairs_comes_first_and_each_pair_before_any_twic
 
 def test_a_picture_of_pairs_shown_already_waits() -> None:
     moments = [pair("a", "b", 0, "one"), pair("c", "d", 0, "one")]
-    moments += [pair("a", "b", 9, "two"), pair("e", "f", 9, "two", probability=0.7)]
+    moments += [pair("a", "b", 9, "two"), pair("e", "f", 9, "two", probability=0.85)]
     ranked = rank(moments, "all", spread=True)
     assert [one.moment.figure.sighting.object_id for one in ranked] == ["a", "e", "c", "a"]
 
