@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 @click.option("--limit", type=click.IntRange(1, 10_000), default=50, show_default=True)
 @click.option(
     "--precision",
-    type=click.Choice(("perfect", "category", "any")),
+    type=click.Choice(("perfect", "category", "attribute", "any")),
     help="How strictly things must match; by default as strictly as finds something.",
 )
 @click.option(
