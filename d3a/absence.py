@@ -25,6 +25,8 @@ from d3a.sightings import Metres, Scene
 Floats = NDArray[np.float64]
 PATCH, PATCH_MOST = 3, 40
 """Half the side, in pixels, of the patch of depth that is looked at, at least and at most."""
+SAMPLES = 9
+"""Depths that are looked at along each side of a patch."""
 NEAREST_SHARE = 0.1
 """Share of a patch's depths that may be as near as the thing's place without being it."""
 SURE_M = 1.0
@@ -107,34 +109,38 @@ class Absence:
         visible = in_view(seen, scene.camera, parameters.view_range_m, parameters.view_margin)
         shared = np.trace(offset.covariance)
         sigma = np.sqrt((np.trace(positions.spread, axis1=1, axis2=2) + shared) / 3)
+        rows = np.flatnonzero(visible & (sigma <= SURE_M))
+        spots = seen.u[rows], seen.v[rows], seen.depth_m[rows], sigma[rows]
+        hidden, through = self._depths(scene, *spots)
         x, y, z = eye.tolist()
-        for row in np.flatnonzero(visible & (sigma <= SURE_M)).tolist():
+        for k, row in enumerate(rows.tolist()):
             thing, place = positions.owners[row]
             glance = self._glance(thing, place)
-            u, v, away = float(seen.u[row]), float(seen.v[row]), float(seen.depth_m[row])
-            hidden, through = self._depth(scene, u, v, away, float(sigma[row]))
-            glance.add(hidden, through, not hidden and _is_familiar(place, eye, away))
+            is_familiar = not hidden[k] and _is_familiar(place, eye, float(spots[2][k]))
+            glance.add(hidden[k], through[k], is_familiar)
             glance.eye = (x, y, z)
 
-    def _depth(
-        self, scene: Scene, u: float, v: float, away_m: float, sigma_m: float
-    ) -> tuple[bool, bool]:
-        """Say whether something hides the place, and whether only what is behind it is seen.
+    def _depths(
+        self, scene: Scene, u: Floats, v: Floats, away_m: Floats, sigma_m: Floats
+    ) -> tuple[list[bool], list[bool]]:
+        """Say of places (k,) whether something hides them, and whether only what is behind shows.
 
-        The thing may be anywhere in its error around (u, v): nothing there may be as near as it.
+        A thing may be anywhere in its error around (u, v): nothing there may be as near as it.
         """
         assert scene.camera is not None
+        if scene.depth is None or len(u) == 0:
+            return [False] * len(u), [False] * len(u)
+        spot = np.full(len(u), float(PATCH))
         margin = self._parameters.seen_through_m + 2 * sigma_m
-        wide = PATCH + round(2 * sigma_m * scene.camera.fx / away_m)
-        middle = _patch(scene.depth, u, v, PATCH)
-        if middle is None:
-            return False, False
-        if _share(middle, away_m - margin) > 0.5:
-            return True, False
-        around = _patch(scene.depth, u, v, wide) if wide <= PATCH_MOST else None
-        limit = away_m + self._parameters.seen_through_m
-        through = around is not None and _share(around, limit) < NEAREST_SHARE
-        return False, through
+        before, measured = _nearer(
+            _samples(scene.depth, u, v, spot, 2 * PATCH + 1), away_m - margin
+        )
+        hidden = 2 * before > measured
+        wide = PATCH + np.round(2 * sigma_m * scene.camera.fx / away_m)
+        around = _samples(scene.depth, u, v, np.minimum(wide, PATCH_MOST), SAMPLES)
+        near, count = _nearer(around, away_m + self._parameters.seen_through_m)
+        through = ~hidden & (measured > 0) & (near < NEAREST_SHARE * count) & (wide <= PATCH_MOST)
+        return hidden.tolist(), through.tolist()
 
     def _glance(self, thing: Known, place: Place) -> Glance:
         return self._glances.setdefault((thing.number, place.number), Glance(thing, place))
@@ -262,16 +268,21 @@ def _is_familiar(place: Place, eye: Floats, away_m: float) -> bool:
     return any(math.dist((x, y, z), side) <= near_m for side in place.seen_from)
 
 
-def _share(depths: Metres, limit_m: float) -> float:
-    """Return the share of depths that are nearer than a limit."""
-    return float(np.count_nonzero(depths < limit_m)) / len(depths)
+def _samples(depth: Metres, u: Floats, v: Floats, half: Floats, steps: int) -> Metres:
+    """Return depths (k, steps**2) of a grid of so many steps in the squares around pixels (k,).
+
+    What lies outside of the picture is 0, as what was not measured.
+    """
+    offset = half[:, None] * np.linspace(-1.0, 1.0, steps)
+    row = np.rint(v[:, None] + offset).astype(np.intp)
+    column = np.rint(u[:, None] + offset).astype(np.intp)
+    height, width = depth.shape
+    inside = ((row >= 0) & (row < height))[:, :, None] & ((column >= 0) & (column < width))[:, None]
+    found = depth[row.clip(0, height - 1)[:, :, None], column.clip(0, width - 1)[:, None]]
+    return np.asarray(np.where(inside, found, np.float32(0.0)).reshape(len(u), -1))
 
 
-def _patch(depth: Metres | None, u: float, v: float, half: int) -> Metres | None:
-    """Return the measured depths around a pixel, None where there are none."""
-    if depth is None:
-        return None
-    row, column = round(v), round(u)
-    patch = depth[max(0, row - half) : row + half + 1, max(0, column - half) : column + half + 1]
-    patch = patch[patch > 0]
-    return patch if len(patch) else None
+def _nearer(depths: Metres, limit_m: Floats) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Return how many measured depths of (k, n) are nearer than a limit (k,), and how many are."""
+    measured = depths > 0
+    return (measured & (depths < limit_m[:, None])).sum(axis=1), measured.sum(axis=1)

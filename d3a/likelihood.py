@@ -123,6 +123,16 @@ WRONG_LEAST, WRONG_MOST = 0.002, 0.5
 """Bounds of the chance that a label is wrong."""
 
 
+def shares(votes: Mapping[str, float]) -> dict[str, float]:
+    """Return how likely a thing with such votes is of each category; empty where none counts.
+
+    By squares: what a thing is follows from its votes ever more surely. By plain shares one stray
+    vote for a rare category would open the door to all of that category around.
+    """
+    total = sum(weight**2 for weight in votes.values())
+    return {name: weight**2 / total for name, weight in votes.items()} if total > 0 else {}
+
+
 class CategoryModel:
     """How often each category is named, how sure its names are, and so what agreement is worth."""
 
@@ -161,36 +171,45 @@ class CategoryModel:
         is of another and was named wrongly, by a name drawn by frequency. The parts exclude each
         other, so their evidence with all else that depends on them adds up as odds.
         """
-        # Squared: what a thing is follows from its votes ever more surely. By plain shares one
-        # stray vote for a rare category would open the door to all of that category around.
-        votes = [{name: weight**2 for name, weight in each.items()} for each in votes]
-        totals = [sum(each.values()) for each in votes]
-        shape = (len(names), len(votes))
-        agreed, differing = np.empty(shape), np.empty(shape)
-        for i, (category, probability) in enumerate(names):
-            common, wrong = self.frequency(category), self.wrong(probability)
-            named = zip(votes, totals, strict=True)
-            share = np.array([v.get(category, 0.0) / t if t > 0 else common for v, t in named])
-            agreed[i] = np.log(np.maximum((1 - wrong) * share / common, 1e-12))
-            differing[i] = np.log(np.maximum(wrong * (1 - share), 1e-12))
-        return agreed, differing
+        return self.evidence(names, [shares(each) for each in votes])
+
+    def evidence(
+        self, names: Sequence[tuple[str, float]], kinds: Sequence[Mapping[str, float]]
+    ) -> tuple[Floats, Floats]:
+        """Return what `ratios` does, of things that are of each category with these shares."""
+        common = [self.frequency(category) for category, _ in names]
+        share = np.array(
+            [
+                [kind.get(category, 0.0) if kind else usual for kind in kinds]
+                for (category, _), usual in zip(names, common, strict=True)
+            ]
+        )
+        wrong = np.array([[self.wrong(probability)] for _, probability in names])
+        agreed = (1 - wrong) * share / np.array(common)[:, None]
+        return np.log(np.maximum(agreed, 1e-12)), np.log(np.maximum(wrong * (1 - share), 1e-12))
 
 
 def mahalanobis(residuals: Floats, covariances: Floats) -> tuple[Floats, Floats]:
     """Return the squared distances and determinants for residuals (..., 3) and S (..., 3, 3).
 
     By the adjugate: NumPy's general inverse costs ten times as much on so many so small matrices.
+    The six numbers of a symmetric matrix are rows of one array, as calls cost more than numbers.
     """
-    s = covariances
-    a, b, c = s[..., 0, 0], s[..., 0, 1], s[..., 0, 2]
-    d, e, f = s[..., 1, 1], s[..., 1, 2], s[..., 2, 2]
-    aa, bb, cc = d * f - e * e, c * e - b * f, b * e - c * d
-    dd, ee, ff = a * f - c * c, b * c - a * e, a * d - b * b
-    determinant = a * aa + b * bb + c * cc
-    x, y, z = residuals[..., 0], residuals[..., 1], residuals[..., 2]
-    quadratic = aa * x * x + dd * y * y + ff * z * z + 2 * (bb * x * y + cc * x * z + ee * y * z)
-    safe = np.maximum(determinant, 1e-18)
-    return quadratic / safe, safe
+    shape = residuals.shape[:-1]
+    s = covariances.reshape(-1, 9).T[_UPPER]
+    cofactors = s[_LEFT] * s[_RIGHT] - s[_LESS] * s[_TIMES]
+    determinant = np.maximum((s[:3] * cofactors[:3]).sum(axis=0), 1e-18)
+    r = residuals.reshape(-1, 3).T
+    squared = (cofactors * r[_FIRST] * r[_SECOND] * _TWICE).sum(axis=0) / determinant
+    return squared.reshape(shape), determinant.reshape(shape)
+
+
+_UPPER = np.array([0, 1, 2, 4, 5, 8])
+"""The numbers xx xy xz yy yz zz of a flat symmetric matrix; below, its cofactors by them."""
+_LEFT, _RIGHT = np.array([3, 2, 1, 0, 1, 0]), np.array([5, 4, 4, 5, 2, 3])
+_LESS, _TIMES = np.array([4, 1, 2, 2, 0, 1]), np.array([4, 5, 3, 2, 4, 1])
+_FIRST, _SECOND = np.array([0, 0, 0, 1, 1, 2]), np.array([0, 1, 2, 1, 2, 2])
+_TWICE = np.array([[1.0], [2.0], [2.0], [1.0], [2.0], [1.0]])
 
 
 def load_solver() -> None:

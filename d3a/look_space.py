@@ -14,6 +14,9 @@ from d3a.parameters import Parameters
 
 Floats = NDArray[np.float64]
 Features = NDArray[np.float32]
+FRESH = 1.02
+"""What was learned is taken into use when there is this much more of it: the rest of the time the
+same scale serves, as one view in a thousand changes nothing."""
 FLOOR = 0.05
 """Share of the mean variance that each part has at least: no part is exactly repeatable."""
 
@@ -30,7 +33,9 @@ class LookSpace:
         """(3, d): sum of all views, of their squares, and of squared deviations from a thing."""
         self.counts: Floats = np.zeros(2)
         """(2,): views, and views of a known thing."""
-        self._scale: tuple[Features, Features] | None = None
+        self.scale: Features = np.zeros((2, 0), dtype=np.float32)
+        """(2, d): centre, and what each part is worth, of all that was learned by `scaled_at`."""
+        self.scaled_at = 0.0
 
     def add(self, looks: Features) -> None:
         """Learn what there is to see: looks (n, d); rows of zeros are none."""
@@ -41,7 +46,6 @@ class LookSpace:
         self.sums[0] += known.sum(axis=0)
         self.sums[1] += np.square(known).sum(axis=0)
         self.counts[0] += len(known)
-        self._scale = None
 
     def add_same(self, look: Features, mean: Features, views: float) -> None:
         """Learn how a view (d,) of a known thing differs from the mean (d,) of so many views."""
@@ -49,7 +53,6 @@ class LookSpace:
         deviation = look.astype(np.float64) - mean
         self.sums[2] += deviation**2 * (views / (views + 1.0))
         self.counts[1] += 1.0
-        self._scale = None
 
     def _ready(self, length: int) -> None:
         if self.sums.shape[1] == 0:
@@ -59,24 +62,25 @@ class LookSpace:
         """Return looks (n, d) in the space, rows of unit length; zeros stay zeros."""
         if self.sums.shape[1] == 0 or looks.shape[1] == 0:
             return looks
-        centre, scale = self._scaling()
+        if float(self.counts.sum()) > self.scaled_at * FRESH:
+            self._rescale()
+        centre, scale = self.scale
         moved = (looks - centre) * scale
         length = np.sqrt(np.einsum("nd,nd->n", moved, moved))[:, None]
         unit = moved / np.maximum(length, np.float32(1e-12))
         return np.asarray(np.where(np.any(looks, axis=1, keepdims=True), unit, np.float32(0.0)))
 
-    def _scaling(self) -> tuple[Features, Features]:
-        if self._scale is None:
-            total, within = self.counts
-            trust = total / (total + self._prior)
-            centre = self.sums[0] / max(total, 1.0)
-            overall = self.sums[1] / max(total, 1.0) - centre**2
-            overall = np.maximum(overall, 0.0)
-            overall += FLOOR * overall.mean() + 1e-12
-            inner = (self.sums[2] + self._prior * overall) / (within + self._prior)
-            inner += FLOOR * inner.mean()
-            learned = np.sqrt(overall) / inner
-            learned /= learned.mean()
-            scale = 1.0 + trust * (learned - 1.0)
-            self._scale = ((trust * centre).astype(np.float32), scale.astype(np.float32))
-        return self._scale
+    def _rescale(self) -> None:
+        total, within = self.counts.tolist()
+        trust = total / (total + self._prior)
+        centre = self.sums[0] / max(total, 1.0)
+        overall = self.sums[1] / max(total, 1.0) - centre**2
+        overall = np.maximum(overall, 0.0)
+        overall += FLOOR * overall.mean() + 1e-12
+        inner = (self.sums[2] + self._prior * overall) / (within + self._prior)
+        inner += FLOOR * inner.mean()
+        learned = np.sqrt(overall) / inner
+        learned /= learned.mean()
+        scale = 1.0 + trust * (learned - 1.0)
+        self.scale = np.stack([trust * centre, scale]).astype(np.float32)
+        self.scaled_at = total + within

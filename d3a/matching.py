@@ -203,11 +203,12 @@ class Matcher:
 
     def _scoring(self, observed: Observed, things: list[Known]) -> Scoring:
         """Return the evidence of category and look; of a thing named twice one name may agree."""
-        votes = [thing.votes for thing in things]
         names = [name for thing in observed.things for name in thing.votes]
-        parts = self._categories.ratios(names, votes)
-        starts = np.cumsum([0, *(len(thing.votes) for thing in observed.things)])[:-1]
-        agreed, differing = (np.maximum.reduceat(part, starts, axis=0) for part in parts)
+        agreed, differing = self._categories.evidence(names, [thing.shares for thing in things])
+        if len(names) > len(observed.things):
+            starts = np.cumsum([0, *(len(thing.votes) for thing in observed.things)])[:-1]
+            agreed = np.maximum.reduceat(agreed, starts, axis=0)
+            differing = np.maximum.reduceat(differing, starts, axis=0)
         looks = self._memory.looks.rows(things)
         if observed.looks.shape[1] == 0 or looks.shape[1] == 0:
             return Scoring(agreed, differing)

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from d3a.likelihood import shares
 from d3a.model import Position
 from d3a.parameters import Parameters
 from d3a.sightings import Interval
@@ -79,18 +80,32 @@ class Known:
     met: set[int] = field(default_factory=set)
     row: int = -1
     dirty: bool = True
+    _named: str | None = field(default=None, init=False, repr=False)
+    _shares: dict[str, float] | None = field(default=None, init=False, repr=False)
 
     @property
     def object_id(self) -> str:
         """The id in the store."""
         return object_id_of(self.number)
 
+    def vote(self, category: str, weight: float) -> None:
+        """Add the weight of a detection that was named so."""
+        self.votes[category] = self.votes.get(category, 0.0) + weight
+        self._named = self._shares = None
+
     @property
     def category(self) -> str:
         """The category with most weight, the first by name of equals."""
-        if len(self.votes) == 1:  # the usual case
-            return next(iter(self.votes))
-        return min(self.votes, key=lambda name: (-self.votes[name], name))
+        if self._named is None:
+            self._named = min(self.votes, key=lambda name: (-self.votes[name], name))
+        return self._named
+
+    @property
+    def shares(self) -> dict[str, float]:
+        """What the votes say of the category, see `likelihood.shares`."""
+        if self._shares is None:
+            self._shares = shares(self.votes)
+        return self._shares
 
     @property
     def latest(self) -> Place:

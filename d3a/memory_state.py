@@ -15,7 +15,7 @@ from d3a.store.base import TaughtName
 
 _PLACE = tuple(f.name for f in fields(Place) if f.name not in ("open", "row"))
 _OWN = ("names", "places", "row", "votes", "met")
-_KNOWN = tuple(f.name for f in fields(Known) if f.name not in _OWN)
+_KNOWN = tuple(f.name for f in fields(Known) if f.init and f.name not in _OWN)
 
 
 def memory_state(memory: Memory) -> tuple[Json, Arrays]:

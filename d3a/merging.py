@@ -55,7 +55,7 @@ class Evidence:
         squared, determinant = likelihood.mahalanobis(apart, spread)
         name = (thing.category, thing.weight / thing.seen)
         agreed, differing = (
-            float(part[0, 0]) for part in self.categories.ratios([name], [other.votes])
+            float(part[0, 0]) for part in self.categories.evidence([name], [other.shares])
         )
         space_m3 = self.neighbours.space_m3(np.array(np.linalg.norm(apart)))
         place, beside = (
@@ -92,6 +92,20 @@ def likely_same(missed: Known, found: list[Known], evidence: Evidence) -> list[K
     scored = [(evidence.odds(missed, thing), -thing.number, thing) for thing in near]
     likely = [each for each in scored if each[0] >= evidence.parameters.merge_odds]
     return [thing for _, _, thing in sorted(likely, key=lambda each: each[:2], reverse=True)]
+
+
+def reachable(missed: list[Known], found: list[Known], evidence: Evidence) -> list[Known]:
+    """Return those of the missed things that any found one is near to: the others are no pair."""
+    ones, others = ([t for t in each if t.row >= 0 and _is_simple(t)] for each in (missed, found))
+    if not ones or not others:
+        return []
+    positions = evidence.memory.positions
+    row, rows = ([thing.places[0].row for thing in each] for each in (ones, others))
+    away = positions.mean[row][:, None] - positions.mean[rows]
+    spread = positions.spread[row][:, None] + positions.spread[rows]
+    squared, _ = likelihood.mahalanobis(away, spread)
+    inside = np.any(squared <= evidence.parameters.gate_sigmas**2, axis=1).tolist()
+    return [thing for thing, is_near in zip(ones, inside, strict=True) if is_near]
 
 
 def never_together(thing: Known, others: list[Known], ledger: Ledger) -> Known | None:
@@ -137,7 +151,7 @@ def _join(kept: Known, gone: Known, memory: Memory, parameters: Parameters) -> N
     place, lost = kept.places[0], gone.places[0]
     _join_positions(place, lost, memory, parameters)
     for category, weight in gone.votes.items():
-        kept.votes[category] = kept.votes.get(category, 0.0) + weight
+        kept.vote(category, weight)
     look = memory.looks.of(gone)
     if look is not None:
         memory.looks.blend(kept, look, gone.look_weight, parameters.looks_remembered)

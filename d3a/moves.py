@@ -63,7 +63,11 @@ class Moves:
 
         changed: numbers of the things that were seen, or missed, since the last call.
         """
-        confirmed = _confirmed(self._memory, self._parameters)
+        things = self._memory.things
+        kinds = {things[number].category for number in changed if number in things}
+        confirmed = [
+            each for each in _confirmed(self._memory, self._parameters) if each.category in kinds
+        ]
         fresh = [thing for thing in confirmed if _is_unexplained(thing)]
         self._compare([new for new in fresh if new.number not in self.compared], confirmed)
         by_category: dict[str, list[Known]] = {}
@@ -159,11 +163,9 @@ def _plain(odds: Floats, least: float) -> list[tuple[int, int, float]]:
 
 
 def _confirmed(memory: Memory, parameters: Parameters) -> list[Known]:
-    return [
-        memory.things[number]
-        for number in sorted(memory.things)
-        if memory.things[number].seen >= parameters.confirm_sightings
-    ]
+    least = parameters.confirm_sightings
+    found = [thing for thing in memory.things.values() if thing.seen >= least]
+    return sorted(found, key=lambda thing: thing.number)
 
 
 def _is_unexplained(thing: Known) -> bool:
@@ -195,7 +197,7 @@ def apply_link(link: Link, memory: Memory, ledger: Ledger, parameters: Parameter
 def _merge(old: Known, new: Known, memory: Memory, parameters: Parameters) -> None:
     place = new.places.pop()
     for category, weight in new.votes.items():
-        old.votes[category] = old.votes.get(category, 0.0) + weight
+        old.vote(category, weight)
     old.weight += new.weight
     old.seen += new.seen
     old.last_ms = max(old.last_ms, new.last_ms)

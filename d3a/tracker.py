@@ -22,7 +22,7 @@ from d3a.likelihood import CategoryModel
 from d3a.matching import Matcher, Observed
 from d3a.memory import Known, Memory, Place
 from d3a.memory_state import memory_of_state, memory_state
-from d3a.merging import Evidence, likely_same, merge, never_together
+from d3a.merging import Evidence, likely_same, merge, never_together, reachable
 from d3a.model import Json
 from d3a.moves import Moves, apply_link
 from d3a.parameters import Parameters
@@ -115,7 +115,7 @@ class TrackerPipeline:
         """Count a sighting of a thing: votes, look, size, interval."""
         detection = found.detection
         for category, weight in found.votes:
-            thing.votes[category] = thing.votes.get(category, 0.0) + weight
+            thing.vote(category, weight)
             self._categories.add(category, weight)
         if observed.looks.shape[1] and observed.looks[i].any():
             weight = max(detection.probability, 1e-6)
@@ -179,8 +179,9 @@ class TrackerPipeline:
             self._parameters,
         )
         still = []
+        near = {thing.number for thing in reachable(missed, found, evidence)}
         for thing in missed:
-            likely = likely_same(thing, found, evidence)
+            likely = likely_same(thing, found, evidence) if thing.number in near else []
             if likely:
                 self.write()
             same = never_together(thing, likely, self._ledger) if likely else None
@@ -277,6 +278,7 @@ class TrackerPipeline:
         arrays["look_model"] = self._matcher.looks.sums
         arrays["look_space"] = self._matcher.space.sums
         arrays["look_counts"] = self._matcher.space.counts
+        arrays["look_scale"] = self._matcher.space.scale
         arrays["others"] = self._moves.others
         arrays["residuals"] = self._matcher.residuals
         arrays["doubt"] = self._categories.doubt
@@ -284,6 +286,7 @@ class TrackerPipeline:
         arrays["looked_around"] = self._matcher.neighbours.seen
         record |= {
             "next": self._next_number,
+            "scaled_at": self._matcher.space.scaled_at,
             "categories": dict(self._categories.counts),
             "compared": sorted(self._moves.compared),
             "offset": self._matcher.offset.to_state(),
@@ -301,6 +304,8 @@ class TrackerPipeline:
         self._matcher.residuals = np.array(arrays["residuals"])
         self._matcher.space.sums = np.array(arrays["look_space"])
         self._matcher.space.counts = np.array(arrays["look_counts"])
+        self._matcher.space.scale = np.array(arrays["look_scale"])
+        self._matcher.space.scaled_at = record["scaled_at"]
         self._moves.others = np.array(arrays["others"])
         self._moves.compared = set(record["compared"])
         self._categories.doubt = np.array(arrays["doubt"])
