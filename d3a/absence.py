@@ -15,20 +15,17 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from d3a.depths import NEAREST_SHARE, nearer, samples
 from d3a.frame_offset import FrameOffset
 from d3a.geometry import in_view, project
 from d3a.memory import Known, Memory, Place
 from d3a.model import Json, Position
 from d3a.parameters import Parameters
-from d3a.sightings import Metres, Scene
+from d3a.sightings import Scene
 
 Floats = NDArray[np.float64]
 PATCH, PATCH_MOST = 3, 40
 """Half the side, in pixels, of the patch of depth that is looked at, at least and at most."""
-SAMPLES = 9
-"""Depths that are looked at along each side of a patch."""
-NEAREST_SHARE = 0.1
-"""Share of a patch's depths that may be as near as the thing's place without being it."""
 SURE_M = 1.0
 """A place whose position may err by more than this (one sigma) cannot be looked at."""
 THROUGH_PRIOR = 6.0
@@ -132,13 +129,11 @@ class Absence:
             return [False] * len(u), [False] * len(u)
         spot = np.full(len(u), float(PATCH))
         margin = self._parameters.seen_through_m + 2 * sigma_m
-        before, measured = _nearer(
-            _samples(scene.depth, u, v, spot, 2 * PATCH + 1), away_m - margin
-        )
+        before, measured = nearer(samples(scene.depth, u, v, spot, 2 * PATCH + 1), away_m - margin)
         hidden = 2 * before > measured
         wide = PATCH + np.round(2 * sigma_m * scene.camera.fx / away_m)
-        around = _samples(scene.depth, u, v, np.minimum(wide, PATCH_MOST), SAMPLES)
-        near, count = _nearer(around, away_m + self._parameters.seen_through_m)
+        around = samples(scene.depth, u, v, np.minimum(wide, PATCH_MOST))
+        near, count = nearer(around, away_m + self._parameters.seen_through_m)
         through = ~hidden & (measured > 0) & (near < NEAREST_SHARE * count) & (wide <= PATCH_MOST)
         return hidden.tolist(), through.tolist()
 
@@ -266,23 +261,3 @@ def _is_familiar(place: Place, eye: Floats, away_m: float) -> bool:
     near_m = max(FAMILIAR_M, FAMILIAR_SHARE * away_m)
     x, y, z = eye.tolist()
     return any(math.dist((x, y, z), side) <= near_m for side in place.seen_from)
-
-
-def _samples(depth: Metres, u: Floats, v: Floats, half: Floats, steps: int) -> Metres:
-    """Return depths (k, steps**2) of a grid of so many steps in the squares around pixels (k,).
-
-    What lies outside of the picture is 0, as what was not measured.
-    """
-    offset = half[:, None] * np.linspace(-1.0, 1.0, steps)
-    row = np.rint(v[:, None] + offset).astype(np.intp)
-    column = np.rint(u[:, None] + offset).astype(np.intp)
-    height, width = depth.shape
-    inside = ((row >= 0) & (row < height))[:, :, None] & ((column >= 0) & (column < width))[:, None]
-    found = depth[row.clip(0, height - 1)[:, :, None], column.clip(0, width - 1)[:, None]]
-    return np.asarray(np.where(inside, found, np.float32(0.0)).reshape(len(u), -1))
-
-
-def _nearer(depths: Metres, limit_m: Floats) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """Return how many measured depths of (k, n) are nearer than a limit (k,), and how many are."""
-    measured = depths > 0
-    return (measured & (depths < limit_m[:, None])).sum(axis=1), measured.sum(axis=1)

@@ -76,11 +76,13 @@ class Parameters:
     detect_chance: float = 0.6  # of a present thing in one look, before anything is known of it
     absent_odds: float = 5.5  # log-odds (250 to 1) at which a place counts as seen empty
     seen_through_m: float = 0.3  # depth this far behind a thing's place: it is not there
-    expire_odds: float = 2.5  # log-odds (12 to 1) of its absence at which a tentative thing goes
+    expire_odds: float = 2.0  # log-odds (7 to 1) of its absence at which a tentative thing goes
+    doubt_odds: float = 1.0  # the same by depth at its only sighting, once its interval is closed
     move_odds: float = -3.0  # log-odds that a thing which turned up is a certain one, moved
     move_probability: float = 0.8  # from here on a move is linked
     # Sightings
     interval_gap_s: float = 600.0  # an interval closes after this long without a view
+    unbroken_gap_s: float = 1800.0  # default: nor by a pause so long, while no look saw it gone
     max_interval_s: float = 3600.0  # storage limit; longer ones are split and joined on reading
     # Ingest
     checkpoint_frames: int = 100

@@ -191,7 +191,7 @@ class Recall:
         stays: dict[str, list[StayRecord]] = {}
         for stay in self._ledger.stays(object_ids=ids):
             stays.setdefault(stay.object_id, []).append(stay)
-        gap_ms = round(self._parameters.interval_gap_s * 1000)
+        gap_ms = round(self._parameters.unbroken_gap_s * 1000)
         open_of = {
             sighting.stay: Interval.from_sighting(sighting)
             for sighting in self._ledger.sightings(ids, now_ms - gap_ms, now_ms)

@@ -15,6 +15,7 @@ import numpy as np
 from d3a.absence import Absence
 from d3a.checkpoint import Arrays
 from d3a.constraints import Constraints
+from d3a.depths import Doubts
 from d3a.encounters import Encounters
 from d3a.frame_offset import FrameOffset
 from d3a.ledger import Ledger
@@ -52,21 +53,29 @@ class TrackerPipeline:
         self._moves = Moves(self._memory, self._matcher.space, looks, parameters)
         self._absence = Absence(self._memory, parameters)
         self._recall = Recall(self._memory, ledger, stored, parameters, outside)
+        self._doubts = Doubts(parameters)
         self._encounters = Encounters(parameters)
         self._next_number = FIRST_NUMBER
         self._fixed: frozenset[str] = frozenset()
         self._events: list[Event] = []
+        self._now_ms = 0
 
     def observe(self, scene: Scene) -> None:
         """Take a frame through the tiers."""
+        self._now_ms = scene.ref.time_ms
         found = things(scene.detections, self._parameters)
         observed = Observed.of(found, self._is_histogram)
         self._fetch(observed, scene)
+        said = self._doubts.judge(scene, observed.places, observed.boxes)
         matches = self._matcher.match(observed, scene.ref.time_ms, scene.pose)
         seen: list[tuple[Known, Place]] = []
         moved: list[tuple[int, Place]] = []
         for i, match in enumerate(matches):
             thing, place = match if match is not None else self._born(observed, i, scene.ref)
+            if match is None:
+                thing.places[0].doubt = self._doubts.odds(said[i])
+            elif thing.seen >= self._parameters.confirm_sightings:
+                self._doubts.learn(said[i])
             place = place if place is not None else thing.latest
             if place.row < 0:
                 self._settle(thing, place, observed, i)
@@ -142,7 +151,7 @@ class TrackerPipeline:
     def _grow(self, place: Place, view: Interval, key: StayKey) -> None:
         """Extend the open interval, or close it and begin another."""
         old = place.open
-        if old is None or not old.follows_on(view, self._parameters):
+        if old is None or not self._goes_on(place, old, view):
             place.open = view
         elif old.fits(view, self._parameters):
             place.open = old.union(view)
@@ -151,6 +160,13 @@ class TrackerPipeline:
             place.open = replace(view, start_ms=min(old.end_ms + 1, view.end_ms))
         if old is not None:
             self._ledger.put_sighting(old.sighting(key))
+
+    def _goes_on(self, place: Place, old: Interval, view: Interval) -> bool:
+        """Say whether a thing stayed between two views: a short pause, or none saw it gone."""
+        if old.follows_on(view, self._parameters):
+            return True
+        pause_s = (view.start_ms - old.end_ms) / 1000
+        return place.last_absent_ms is None and pause_s <= self._parameters.unbroken_gap_s
 
     def _meet(self, ref: FrameRef, seen: list[tuple[Known, Place]], found: list[Thing]) -> None:
         shown = [
@@ -164,7 +180,7 @@ class TrackerPipeline:
         found = self._absence.found()
         missed = self._absence.end_look()
         changed = {thing.number for thing in (*found, *missed)}
-        self._expire(self._merge(missed, found))
+        self._expire([*self._merge(missed, found), *self._doubted()])
         self._link(changed)
 
     def _merge(self, missed: list[Known], found: list[Known]) -> list[Known]:
@@ -193,14 +209,30 @@ class TrackerPipeline:
                 self._events.append(Became(entry_name(was), entry_name(becomes), "the same thing"))
         return still
 
+    def _doubted(self) -> list[Known]:
+        """Return what depth spoke against when it was seen, and nobody saw again for long."""
+        parameters = self._parameters
+        closed_ms = self._now_ms - parameters.interval_gap_s * 1000
+        found = [
+            thing
+            for thing in self._memory.things.values()
+            if thing.seen < parameters.confirm_sightings
+            and thing.last_ms < closed_ms
+            and thing.places[0].doubt >= parameters.doubt_odds
+        ]
+        return sorted(found, key=lambda thing: thing.number)
+
     def _expire(self, missed: list[Known]) -> None:
         """Drop tentative things that were not there in several looks that should show them."""
         parameters = self._parameters
+        closed_ms = self._now_ms - parameters.interval_gap_s * 1000
         for thing in missed:
             if thing.row < 0 or thing.seen >= parameters.confirm_sightings:
                 continue
-            missed_all = all(p.evidence >= parameters.expire_odds for p in thing.places)
-            if missed_all and not self._is_told(thing):
+            place = thing.places[0]
+            is_doubted = place.doubt >= parameters.doubt_odds and place.last_ms < closed_ms
+            is_missed = all(p.evidence + p.doubt >= parameters.expire_odds for p in thing.places)
+            if (is_missed or is_doubted) and not self._is_told(thing):
                 self._encounters.forget(thing.object_id)
                 self._ledger.remove_object(thing.object_id)
                 name = entry_name((thing.object_id, thing.places[0].number))
@@ -278,6 +310,7 @@ class TrackerPipeline:
         arrays["look_model"] = self._matcher.looks.sums
         arrays["look_space"] = self._matcher.space.sums
         arrays["look_counts"] = self._matcher.space.counts
+        arrays["doubts"] = self._doubts.counts
         arrays["look_scale"] = self._matcher.space.scale
         arrays["others"] = self._moves.others
         arrays["residuals"] = self._matcher.residuals
@@ -286,6 +319,7 @@ class TrackerPipeline:
         arrays["looked_around"] = self._matcher.neighbours.seen
         record |= {
             "next": self._next_number,
+            "now_ms": self._now_ms,
             "scaled_at": self._matcher.space.scaled_at,
             "categories": dict(self._categories.counts),
             "compared": sorted(self._moves.compared),
@@ -306,6 +340,8 @@ class TrackerPipeline:
         self._matcher.space.counts = np.array(arrays["look_counts"])
         self._matcher.space.scale = np.array(arrays["look_scale"])
         self._matcher.space.scaled_at = record["scaled_at"]
+        self._doubts.counts = np.array(arrays["doubts"])
+        self._now_ms = record["now_ms"]
         self._moves.others = np.array(arrays["others"])
         self._moves.compared = set(record["compared"])
         self._categories.doubt = np.array(arrays["doubt"])

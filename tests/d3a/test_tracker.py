@@ -195,10 +195,35 @@ def test_shared_frames_become_encounters() -> None:
 
 
 def test_an_interval_keeps_its_best_frame_and_closes_after_a_pause() -> None:
-    frames = [single(n, cup(1.0), step_s=60) for n in (0, 1, 2, 30, 31)]
+    frames = [single(n, cup(1.0), step_s=60) for n in (0, 1, 2, 40, 41)]
     first, second = filled(frames).sightings()
     assert (first.seen, second.seen) == (3, 2)
     assert first.end_ms - first.start_ms == 120_000
+
+
+def test_a_longer_pause_closes_an_interval_only_where_a_look_saw_it_gone() -> None:
+    there = Detection("cup", 0.9, (28, 20, 36, 28), embedding=colour(1))
+    before = [looking(n, there, away_m=2.0) for n in range(12)]
+    away = [looking(n, away_m=4.0) for n in range(12, 30)]
+    again = [looking(n, there, away_m=2.0) for n in range(30, 36)]
+    (whole,) = filled([*before, *again]).sightings()
+    assert whole.seen == 9
+    first, second = filled([*before, *away, *again]).sightings()
+    assert (first.seen, second.seen) == (6, 3)
+
+
+def test_what_depth_contradicts_is_dropped_unless_it_is_seen_again() -> None:
+    """A detector's mistake in mid-air; what is flat is contradicted too, but it is there again."""
+    ghost = Detection("cup", 0.9, (28, 20, 36, 28), position=(2.0, 0.0, 0.0), embedding=colour(1))
+    elsewhere = replace(looking(2, away_m=4.0), pose=Pose((0.0, 40.0, 0.0), FORWARD))
+    later = [replace(elsewhere, name=f"e{n}", time_ms=START_MS + n * 60_000) for n in range(2, 20)]
+    once = [looking(0, ghost, away_m=4.0), *later]
+    assert filled(once).objects() == []
+    (kept,) = filled([looking(0, ghost, away_m=2.0), *later]).objects()
+    assert kept.tentative
+    second = replace(looking(0, ghost, away_m=4.0), name="again", time_ms=START_MS + 1000)
+    (kept,) = filled([once[0], second, *later]).objects()
+    assert not kept.tentative
 
 
 def test_an_interval_is_split_and_can_be_joined_again() -> None:
