@@ -119,6 +119,49 @@ def kitchen_objects(folder: Path, parameters: Parameters) -> tuple[list[Found], 
     return found, store
 
 
+@dataclass(frozen=True)
+class Surplus:
+    """A confirmed stay of a measured category that is none of the measured objects."""
+
+    object_id: str
+    category: str
+    position: tuple[float, ...]
+    seen: int
+    distance_m: float
+    nearest: str
+
+
+def kitchen_surplus(folder: Path, store: Store) -> list[Surplus]:
+    """Return confirmed stays that are no measured object, by category and id.
+
+    A room may hold more of a kind than was measured: how far the next measured one of the kind
+    is, and how often each was seen, tells a second id for one thing from a thing of its own.
+    """
+    truth = json.loads((folder / "truth.json").read_text(encoding="utf-8"))["objects"]
+    categories = {record.object_id: record.category for record in store.objects()}
+    places = {each["id"]: (each["category"], each["position"]) for each in truth}
+    taken: set[tuple[str, int]] = set()
+    for category, position in places.values():
+        of_kind = [s for s in confirmed_stays(store) if categories[s.object_id] == category]
+        near = [(distance(s, position), s.key) for s in of_kind if s.key not in taken]
+        if near and min(near)[0] <= NEAR_M:
+            taken.add(min(near)[1])
+    found = []
+    for stay in confirmed_stays(store):
+        category = categories[stay.object_id]
+        away = [
+            (distance(stay, at), name) for name, (kind, at) in places.items() if kind == category
+        ]
+        if away and stay.key not in taken and stay.position is not None:
+            found.append(Surplus(stay.object_id, category, stay.position, stay.seen, *min(away)))
+    return sorted(found, key=lambda each: (each.category, each.object_id))
+
+
+def confirmed_stays(store: Store) -> list[StayRecord]:
+    """Return the stays with a position that were seen twice or more."""
+    return [s for s in store.stays() if not s.tentative and s.position is not None]
+
+
 def distance(stay: StayRecord, position: list[float]) -> float:
     """Metres between a stay and a place."""
     assert stay.position is not None
@@ -188,6 +231,12 @@ def main(shared: Path, kill_count: int) -> None:
         click.echo(f"red-kitchen {name}: {counts['objects']} objects, {counts['stays']} places")
         for each in found:
             click.echo(f"  {each.name:<18} {each.distance_m:5.2f} m off, {each.stays} stay(s)")
+        for extra in kitchen_surplus(data / "red-kitchen", store):
+            at = ", ".join(f"{value:.2f}" for value in extra.position)
+            click.echo(
+                f"  surplus {extra.category} {extra.object_id} at ({at}), seen {extra.seen} x, "
+                f"{extra.distance_m:.2f} m from {extra.nearest}"
+            )
         if kill_count:
             struck, differing = kills(data / "red-kitchen", name, kill_count)
             click.echo(f"  {kill_count} runs, {struck} killed, {differing} stores differ")
