@@ -79,10 +79,10 @@ class Parameters:
     expire_odds: float = 2.0  # log-odds (7 to 1) of its absence at which a tentative thing goes
     doubt_odds: float = 1.0  # the same by depth at its only sighting, once its interval is closed
     move_odds: float = -3.0  # log-odds that a thing which turned up is a certain one, moved
-    move_probability: float = 0.8  # from here on a move is linked
+    move_probability: float = 0.9  # from here on a move is linked
     # Sightings
     interval_gap_s: float = 600.0  # an interval closes after this long without a view
-    unbroken_gap_s: float = 1800.0  # default: nor by a pause so long, while no look saw it gone
+    unbroken_gaps: float = 3.0  # default: nor by a pause of so many, while no look saw it gone
     max_interval_s: float = 3600.0  # storage limit; longer ones are split and joined on reading
     # Ingest
     checkpoint_frames: int = 100
@@ -95,6 +95,11 @@ class Parameters:
     # Answers
     together_m: float = 1.0
     near_m: float = 1.5
+
+    @property
+    def unbroken_gap_s(self) -> float:
+        """A pause that does not close an interval while no look saw the thing gone."""
+        return self.interval_gap_s * self.unbroken_gaps
 
     def with_changes(self, **changes: Any) -> Parameters:
         """Return a copy with some fields changed; an unknown name is a TypeError."""

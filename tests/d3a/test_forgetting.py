@@ -46,7 +46,9 @@ def world(frames: int = 40) -> list[Frame]:
 
 
 def small(profile: str) -> Parameters:
-    return PROFILES[profile].with_changes(stm_capacity=6, checkpoint_frames=5, interval_gap_s=20.0)
+    return PROFILES[profile].with_changes(
+        stm_capacity=6, checkpoint_frames=5, interval_gap_s=20.0, unbroken_gaps=1.0
+    )
 
 
 def filled(store: Store, profile: str = "default", cut: int | None = None) -> list[Frame]:
