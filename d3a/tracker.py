@@ -241,8 +241,8 @@ class TrackerPipeline:
 
     def _link(self, changed: set[int]) -> None:
         for link in self._moves.find(changed):
-            if self._is_told(link.new):
-                continue
+            if link.old.row < 0 or self._is_told(link.new):
+                continue  # the old one was itself linked just now: the next look tells
             was = (link.new.object_id, link.new.places[0].number)
             self.write()
             became = apply_link(link, self._memory, self._ledger, self._parameters)

@@ -10,6 +10,7 @@ import pytest
 
 from d3a.ingest import ingest
 from d3a.model import Detection, Frame, Pose
+from d3a.moves import Link, Moves
 from d3a.parameters import DEFAULT, Parameters
 from tests.worlds.oracle import OracleStore
 from tests.worlds.rounds import (
@@ -318,6 +319,25 @@ def test_a_move_is_linked_when_the_old_place_was_seen_empty() -> None:
     assert second.moved_from[0] == first.place
     assert {sighting.place for sighting in store.sightings()} == {0, 1}
     assert record.weight == pytest.approx(12 * 0.9)
+
+
+def test_a_chain_of_moves_found_at_once_is_linked_one_by_one(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Of a to b and b to c, the second link's old thing is gone once the first is made."""
+    frames = [single(n, cup(5.0 * (n // 2), look=1 + n // 2)) for n in range(6)]
+    frames += [single(6 + n, pose=Pose((0.0, 50.0 * n, 0.0), FORWARD)) for n in range(2)]
+
+    def chained(moves: Moves, changed: set[int]) -> list[Link]:
+        known = [moves._memory.things[number] for number in sorted(moves._memory.things)]
+        if len(known) < 3:
+            return []
+        return [Link(known[0], known[1], 0.95), Link(known[1], known[2], 0.95)]
+
+    monkeypatch.setattr(Moves, "find", chained)
+    store = filled(frames)
+    assert len(store.objects()) == 2
+    assert sorted(stay.place for stay in store.stays()) == [0, 0, 1]
 
 
 def test_no_move_is_linked_while_the_old_place_is_taken() -> None:
