@@ -32,8 +32,8 @@ from assistant.pointing import (
 )
 from assistant.remembering import NOTHING_SHOWN, Learned, Scene, learn
 from assistant.session import Pointer
-from assistant.taught import Naming, Teaching, read_teaching, row_of
-from d3a.answer import Answer, RankedKeyframe, Status
+from assistant.taught import Boxing, Naming, Teaching, read_teaching, row_of
+from d3a.answer import Answer, RankedKeyframe, Status, is_by_look
 from d3a.store.base import Store, StoreError
 from grammar.errors import QuestionError
 from grammar.forms import FormalQuery
@@ -48,13 +48,13 @@ _RETRY = frozenset({"again", "try again", "ask again", "retry", "once more"})
 class _Said:
     """What was said so far, as far as it counts for what is said next.
 
-    last: the query understood last. refused: objects that it does not mean. meant: the object that
-    was chosen by its number, None for none. text: what was asked last, to try it again.
+    last: the query understood last. refused: rows whose things it does not mean. meant: the object
+    that was chosen by its number, None for none. text: what was asked last, to try it again.
     """
 
     last: FormalQuery | None = None
     answer: Answer | None = None
-    refused: frozenset[str] = frozenset()
+    refused: tuple[RankedKeyframe, ...] = ()
     meant: str | None = None
     text: str = ""
     choices: tuple[str, ...] = field(default=())
@@ -113,7 +113,7 @@ class Conversation:
         if answer.query is None or answer.status not in ("found", "not_found"):
             return answer
         same = is_about_the_same(answer.query, before.last, text)
-        refused = before.refused if same else frozenset()
+        refused = before.refused if same else ()
         meant = before.meant if same else None
         answer = self._as_meant(answer, refused, meant)
         self._said = _Said(answer.query, answer, refused, meant, text)
@@ -140,7 +140,9 @@ class Conversation:
         elapsed = {"parse": parse_ms} | answer.elapsed_ms
         return replace(answer, elapsed_ms=elapsed | {"total": (perf_counter() - started) * 1000})
 
-    def _as_meant(self, answer: Answer, refused: frozenset[str], meant: str | None) -> Answer:
+    def _as_meant(
+        self, answer: Answer, refused: tuple[RankedKeyframe, ...], meant: str | None
+    ) -> Answer:
         """Return the answer without what was refused; of the thing meant, where that is known.
 
         "Before that" asks for another place than that of the row told, "there" for the same.
@@ -163,7 +165,7 @@ class Conversation:
                 return there
         return narrowed(answer, nearby, now, nothing=nothing) if nearby else answer
 
-    def _without(self, answer: Answer, refused: frozenset[str]) -> Answer:
+    def _without(self, answer: Answer, refused: tuple[RankedKeyframe, ...]) -> Answer:
         words = "I saw no other that it could be."
         if answer.query is not None:
             term = term_of(answer.query)
@@ -171,7 +173,9 @@ class Conversation:
             words = f"Those are all that I saw: nothing else could be {named}."
             if term.owner or noun_of(term) == "thing":
                 words = "Those are all that I saw: nothing else could be it."
-        return narrowed(answer, lambda k: k.object_id not in refused, self._now(), nothing=words)
+        return narrowed(
+            answer, lambda k: not any(_is_of(k, row) for row in refused), self._now(), nothing=words
+        )
 
     # words about the rows
 
@@ -208,7 +212,7 @@ class Conversation:
 
     def _refuse(self, text: str, row: RankedKeyframe) -> Answer:
         """Answer the question again without a thing that is not meant."""
-        refused = self._said.refused | {row.object_id}
+        refused = (*self._said.refused, row)
         last = self._said.last
         if last is None:
             return self._beside_rows(text, NOTHING_SHOWN, "not_found")
@@ -223,7 +227,7 @@ class Conversation:
     # teaching
 
     def _teach(self, text: str, teaching: Teaching) -> Answer:
-        scene = Scene(shown(self._said.answer), self.pointer.row)
+        scene = Scene(shown(self._said.answer), self.pointer.row, self.pointer.box)
         try:
             learned = learn(self._store, teaching, scene, self._now())
         except StoreError as error:
@@ -232,7 +236,10 @@ class Conversation:
             assert isinstance(teaching, Naming)  # of the others each has something to say
             row = scene.row(teaching.row)
             return self._no_row(text) if row is None else self._refuse(text, row)
-        if learned.done:
+        if isinstance(teaching, Boxing):
+            self.pointer.box = teaching.box if learned.done else None
+        elif learned.done:
+            self.pointer.box = None
             self._look_again()
         return self._learned(text, learned)
 
@@ -249,6 +256,8 @@ class Conversation:
             return
         answer = ask_query(self._store, last, now=self._now())
         if answer.status not in ("found", "not_found"):
+            self._said = replace(self._said, answer=None, meant=None)
+            self.pointer.to(None)
             return
         if self._said.refused:
             answer = self._without(answer, self._said.refused)
@@ -281,6 +290,13 @@ class Conversation:
         if said.last is not None and (spoken or said.last.text == text):
             text = write(said.last)
         return explain(self._store, text, now=self._now()).to_text()
+
+
+def _is_of(row: RankedKeyframe, refused: RankedKeyframe) -> bool:
+    """Whether a row shows what was refused: its thing, or of a mere look the same place."""
+    if row.object_id != refused.object_id:
+        return False
+    return not is_by_look(row.object_id) or same_place(row, refused)
 
 
 def _seen(row: RankedKeyframe | None) -> Seen | None:

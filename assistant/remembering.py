@@ -7,13 +7,14 @@ It goes through `d3a.teaching`: kept in the store at once, used by the next ques
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import datetime
 
-from assistant.english import listed
+from assistant.english import counted, listed
 from assistant.phrases import kind_of
 from assistant.pointing import find_row, same_place
 from assistant.taught import (
+    Boxing,
     Difference,
     Naming,
     PlaceNaming,
@@ -28,12 +29,15 @@ from assistant.wording import place_words
 from d3a import teaching as store_teaching
 from d3a.answer import RankedKeyframe
 from d3a.constraints import Correction
-from d3a.model import BadInput
+from d3a.model import BadInput, Box
 from d3a.store.base import Store
+from d3a.taught_looks import teach_look
 from grammar.vocabulary import lexicon
 
 ROOM_M, SPOT_M = 2.0, 1.0
 """How far around a point a place reaches that was named with one word: a room, or a spot."""
+SAME_BOX = 0.5
+"""Two boxes that share more than this are of one thing."""
 BACK = "“undo” takes it back"
 NOTHING_SHOWN = "Ask where it is first: then I know which one you mean."
 
@@ -49,10 +53,14 @@ class Learned:
 
 @dataclass(frozen=True, slots=True)
 class Scene:
-    """What stands on the screen: the rows of the last answer, and the one pointed at."""
+    """What stands on the screen: the rows of the last answer, and the one pointed at.
+
+    box: what the person drew on its picture, in pixels of the frame; None for none.
+    """
 
     rows: tuple[RankedKeyframe, ...] = ()
     pointed: RankedKeyframe | None = None
+    box: Box | None = None
 
     def row(self, number: Row) -> RankedKeyframe | None:
         """Return the row of a number, the one pointed at for None."""
@@ -72,6 +80,10 @@ def learn(store: Store, said: Teaching, scene: Scene, now: datetime) -> Learned 
     """
     try:
         match said:
+            case Boxing():
+                return _box(store, said, scene)
+            case Naming(row=None, isnt=False) if scene.box is not None:
+                return _name_in_box(store, said, scene, scene.box, now)
             case Naming():
                 return _name(store, said, scene, now)
             case PlaceNaming():
@@ -117,6 +129,66 @@ def _heard(said: str, row: RankedKeyframe) -> str:
     if first.endswith(("'s", "s'")):
         return f"{first.capitalize()} {rest or kind_of(row)}"
     return rest if first in ("the", "a", "an") and rest else said
+
+
+def _box(store: Store, said: Boxing, scene: Scene) -> Learned:
+    """Say whether a box can be meant; the conversation keeps it."""
+    row = scene.pointed
+    picture = store.keyframe(row.image) if row is not None and row.image else None
+    if picture is None:
+        return Learned("There is no picture to draw on: ask for something near it.", done=False)
+    x1, y1, x2, y2 = said.box
+    if not (0 <= x1 < x2 <= picture.width and 0 <= y1 < y2 <= picture.height):
+        size = f"{picture.width} x {picture.height} pixels"
+        return Learned(f"The box is not in the picture, which has {size}.", done=False)
+    return Learned("I see the box. Say what is in it: these are my keys.")
+
+
+def _name_in_box(
+    store: Store, said: Naming, scene: Scene, box: Box, now: datetime
+) -> Learned | None:
+    """Name what is in a box: the thing that the detector saw there, else a look of its own."""
+    row = scene.pointed
+    if row is None or row.image is None:
+        return _no_row(None, scene)
+    known = _seen_in(store, row, box)
+    if known is not None:
+        return _name(store, said, replace(scene, pointed=known), now)
+    word, owner = named(said.said, "", now)
+    if not word:
+        return Learned("Say what it is, too: these are my keys.", done=False)
+    done = teach_look(store, row.image, box, word, owner, at_ms=_ms(now))
+    others = done.arguments["found"] - 1
+    where = counted(others, "other picture") if others else "no other picture"
+    has = "has" if others < 2 else "have"
+    return Learned(
+        f"I will know “{_heard(said.said, row)}” by the colours in the box; {where} {has} what "
+        f"looks like it; {BACK}."
+    )
+
+
+def _seen_in(store: Store, row: RankedKeyframe, box: Box) -> RankedKeyframe | None:
+    """Return the row as that of the thing that the detector has a box for where one was drawn."""
+    picture = store.keyframe(row.image) if row.image else None
+    at = picture.time_ms if picture is not None else _ms(row.end)
+    seen = [s for s in store.sightings(start_ms=at, end_ms=at) if s.image == row.image]
+    best = max(seen, key=lambda s: overlap(s.box, box), default=None)
+    if best is None or overlap(best.box, box) < SAME_BOX:
+        return None
+    if best.object_id == row.object_id:
+        return row
+    [thing] = store.objects(ids=[best.object_id], embeddings=False)
+    return replace(row, object_id=best.object_id, category=thing.category)
+
+
+def overlap(a: Box, b: Box) -> float:
+    """Return the share of two boxes that both have: intersection over union."""
+    width = min(a[2], b[2]) - max(a[0], b[0])
+    height = min(a[3], b[3]) - max(a[1], b[1])
+    if width <= 0 or height <= 0:
+        return 0.0
+    both = width * height
+    return both / ((a[2] - a[0]) * (a[3] - a[1]) + (b[2] - b[0]) * (b[3] - b[1]) - both)
 
 
 def named(said: str, kind: str, now: datetime) -> tuple[str, str | None]:
@@ -256,6 +328,8 @@ def undone_words(done: Correction) -> str:
             names = [called(word, owner) for word, owner in gone_names or said["before"]]
             how = "no longer" if gone_names else "again"
             return f"I have undone that: I know it {how} as {listed(names)}."
+        case "look":
+            return "I have undone that: I no longer know what was in the box."
         case _:
             return f"I have undone that: {done.said}."
 

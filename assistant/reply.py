@@ -43,7 +43,7 @@ from assistant.phrases import (
 )
 from assistant.refusals import refusal_words
 from assistant.wording import NOT_SURE, how_sure
-from d3a.answer import Answer, RankedKeyframe
+from d3a.answer import Answer, RankedKeyframe, is_by_look
 from d3a.colours import is_colour
 from grammar.forms import ANYTHING, Ask, FormalQuery, ObjectTerm, TimeSlice
 
@@ -348,6 +348,8 @@ def _sureness(answer: Answer, query: FormalQuery) -> str:
         or (quantity is not None and answer.least < quantity)
     ):
         return ""
+    if is_by_look(best.object_id):
+        return "It looks like it: I know it by its colours alone."
     views = int(best.why.get("views", best.seen))
     band = how_sure(best)
     said = "This is a guess" if band == "a guess" else f"I am {band}"

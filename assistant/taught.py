@@ -63,6 +63,13 @@ class Difference:
 
 
 @dataclass(frozen=True, slots=True)
+class Boxing:
+    """A box was drawn on the picture pointed at: x1, y1, x2, y2 in pixels of its frame."""
+
+    box: tuple[float, float, float, float]
+
+
+@dataclass(frozen=True, slots=True)
 class Undoing:
     """The last thing that was said is taken back."""
 
@@ -72,7 +79,9 @@ class Recalling:
     """What was taught so far is asked for."""
 
 
-Teaching = Naming | PlaceNaming | PlaceRenaming | Sameness | Difference | Undoing | Recalling
+Teaching = (
+    Naming | PlaceNaming | PlaceRenaming | Sameness | Difference | Boxing | Undoing | Recalling
+)
 
 ORDINALS = (
     "first", "second", "third", "fourth", "fifth", "sixth", "seventh", "eighth", "ninth",
@@ -99,6 +108,7 @@ _UNDO = re.compile(
     r"|take (?:that|it) back|scratch that|that was wrong|i (?:did not|didn't) mean that"
     r"|forget (?:that|it|what i (?:just )?(?:said|told you|taught you))"
 )
+_BOX = re.compile(r"/?box((?:[ ,]+\d{1,5}(?:\.\d{1,3})?){4})")
 _RECALL = re.compile(
     r"what (?:did i|have i) (?:teach|taught|tell|told)(?: you)?(?: so far)?"
     r"|what do you know from me|show what i (?:taught|told) you"
@@ -162,6 +172,9 @@ def read_teaching(text: str) -> Teaching | None:
         return Recalling()
     if not said or "?" in text:
         return None
+    if found := _BOX.fullmatch(said):
+        x1, y1, x2, y2 = (float(edge) for edge in re.findall(r"[\d.]+", found[1]))
+        return Boxing((x1, y1, x2, y2))
     if _UNDO.fullmatch(said):
         return Undoing()
     return _same_or_not(said) or _place(said) or _name(said)

@@ -13,7 +13,14 @@ SCHEMA = 1
 Status = Literal[
     "found", "not_found", "unknown_object", "not_understood", "out_of_scope", "ambiguous", "error"
 ]
+BY_LOOK = "look-"
+"""How the id of an object begins that a person taught by a box (`taught_looks`)."""
 Reason = Literal["never", "not_then", "not_there", "gone", "not_recognisable", "empty"]
+
+
+def is_by_look(object_id: str) -> bool:
+    """Whether an object is known by its look alone, so that an answer must say so."""
+    return object_id.startswith(BY_LOOK)
 
 
 @dataclass(frozen=True, slots=True)

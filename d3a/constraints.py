@@ -25,7 +25,7 @@ SAID = "said"
 """Key of the store's meta that counts what people said: equal counts, equal histories."""
 CHUNK = 700_000
 """Characters of a part: a store keeps a million bytes under one key."""
-Kind = Literal["merge", "split", "teach", "place", "map"]
+Kind = Literal["merge", "split", "teach", "place", "map", "look"]
 
 
 @dataclass(frozen=True, slots=True)

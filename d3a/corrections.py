@@ -126,6 +126,8 @@ def taking_back(store: Store, correction: Correction) -> tuple[dict[str, Any], d
         regions = [region_of(each) for each in said["before"]]
         gone = {each["name"] for each in said["after"]} - {region.name for region in regions}
         return {"regions": regions, "removed_regions": sorted(gone)}, {}
+    if correction.kind == "look":
+        return {"removed_objects": [said["new"]]}, {}
     if correction.kind == "map":
         return {}, {"map": said["before"], said["after"]: None}
     now = Portion.read(store, correction.ids())

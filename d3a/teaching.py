@@ -87,7 +87,7 @@ def teach_name(
             return _named(0, said, record, record.names, at_ms)
         return _named(number, said, record, (*record.names, taught), at_ms)
 
-    return _commit(store, make)
+    return commit(store, make)
 
 
 def forget_name(
@@ -108,7 +108,7 @@ def forget_name(
             raise UnknownThing(f"{object_id} is not called {name!r}; {has}", known[:3])
         return _named(number, f"{object_id} is not {name}", record, kept, at_ms)
 
-    return _commit(store, make)
+    return commit(store, make)
 
 
 def _named(
@@ -146,7 +146,7 @@ def merge(
         assert made.after is not None
         return made, difference(portion, made.after)
 
-    return _commit(store, make)
+    return commit(store, make)
 
 
 def split(store: Store, object_id: str, place: int, *, at_ms: int | None = None) -> Correction:
@@ -169,7 +169,7 @@ def split(store: Store, object_id: str, place: int, *, at_ms: int | None = None)
         assert made.after is not None
         return made, difference(portion, made.after)
 
-    return _commit(store, make)
+    return commit(store, make)
 
 
 def name_place(
@@ -200,7 +200,7 @@ def name_place(
         region = Region(said_name, checked_polygon(corners), site)
         return _placed(number, f"{said_name} is a place", old, [region], at_ms)
 
-    return _commit(store, make)
+    return commit(store, make)
 
 
 def remove_place(store: Store, name: str, *, at_ms: int | None = None) -> Correction:
@@ -210,7 +210,7 @@ def remove_place(store: Store, name: str, *, at_ms: int | None = None) -> Correc
         old = _region(store, name)
         return _placed(number, f"{old.name} is no place any more", [old], [], at_ms)
 
-    return _commit(store, make)
+    return commit(store, make)
 
 
 def rename_place(store: Store, name: str, new: str, *, at_ms: int | None = None) -> Correction:
@@ -224,7 +224,7 @@ def rename_place(store: Store, name: str, new: str, *, at_ms: int | None = None)
         fresh = with_changes(old, name=called)
         return _placed(number, f"{old.name} is called {called}", [old], [fresh], at_ms)
 
-    return _commit(store, make)
+    return commit(store, make)
 
 
 def put_map(store: Store, record: Json, said: str, *, at_ms: int | None = None) -> Correction:
@@ -237,7 +237,7 @@ def put_map(store: Store, record: Json, said: str, *, at_ms: int | None = None) 
             "meta": {"map": key, key: record}
         }
 
-    return _commit(store, make)
+    return commit(store, make)
 
 
 def _placed(
@@ -285,8 +285,8 @@ def undo(store: Store) -> Correction:
     return last[0]
 
 
-def _commit(store: Store, make: Callable[[int], _Made]) -> Correction:
-    """Write a correction and what it changes in one batch."""
+def commit(store: Store, make: Callable[[int], _Made]) -> Correction:
+    """Write a correction and what it changes in one batch; `make` gets its number."""
     made: list[Correction] = []
 
     def batch(past: History) -> Batch | None:
@@ -382,6 +382,7 @@ def _called(name: TaughtName) -> str:
 __all__ = [
     "Correction",
     "UnknownThing",
+    "commit",
     "forget_name",
     "history",
     "merge",

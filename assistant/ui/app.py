@@ -21,6 +21,7 @@ from textual.message import Message
 from textual.screen import Screen
 from textual.widgets import Input
 
+from assistant.protocols import Kind
 from assistant.session import Session, known_words, questions_for
 from assistant.speaking import Voice
 from assistant.terminal import clean
@@ -31,7 +32,7 @@ from assistant.ui.floor import read_floor
 from assistant.ui.history import History
 from assistant.ui.lists import KeyframeList, QuestionList
 from assistant.ui.palette import Palette
-from assistant.ui.picture import Kind, Shot
+from assistant.ui.picture import Shot
 from assistant.ui.save import save_answer, save_text
 from assistant.ui.sheets import HELP, FloorSheet, LargeSheet, PictureSheet, Sheet, why_text
 from assistant.wording import keyframe_row
@@ -160,7 +161,7 @@ class ChatApp(App[None], inherit_bindings=False):
         self._asked += 1
         self._waiting = True
         number = self._asked
-        if not text.isdigit():  # the number of a choice is no question
+        if not text.isdigit() and not text.startswith("box "):  # a choice and a box are none
             self._history.add(text)
         self.chat.show_earlier(self._history.questions)
         self.set_timer(LOOKING_S, lambda: self._say_looking(number, text))
@@ -242,7 +243,9 @@ class ChatApp(App[None], inherit_bindings=False):
         """Ask what was typed, or do what a slash names."""
         text = " ".join(clean(event.value).split())
         event.input.clear()
-        if text.startswith("/"):
+        if text.lower().startswith("/box"):
+            self.ask(text[1:])
+        elif text.startswith("/"):
             self._do(text[1:].lower())
         elif text:
             self.ask(text)
@@ -266,6 +269,10 @@ class ChatApp(App[None], inherit_bindings=False):
     def on_picture_sheet_stepped(self, message: PictureSheet.Stepped) -> None:
         """Move the mark in the list; its picture follows into the sheet."""
         self.chat.step(message.step)
+
+    def on_picture_sheet_boxed(self, message: PictureSheet.Boxed) -> None:
+        """Say the box that was drawn; what is in it, the person says next."""
+        self.ask("box " + " ".join(f"{edge:.0f}" for edge in message.box))
 
     def action_help(self) -> None:
         """Show keys and examples."""

@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, ClassVar
 
 from rich.text import Text
 from textual.binding import Binding, BindingType
 from textual.containers import VerticalScroll
+from textual.events import MouseDown, MouseMove, MouseUp
 from textual.message import Message
 from textual.screen import ModalScreen
 from textual.widgets import Static
 
+from assistant.protocols import Kind
 from assistant.terminal import clean, clean_lines
+from assistant.ui.boxing import first_box, grown, moved, spanned
 from assistant.ui.panels import FloorView
-from assistant.ui.picture import Kind, PictureView, Shot, caption
+from assistant.ui.picture import PictureView, Shot, caption
 from assistant.wording import how_sure, place_words, short_time
 
 if TYPE_CHECKING:
@@ -25,7 +28,10 @@ if TYPE_CHECKING:
 
     from assistant.ui.floor import Floor
     from d3a.answer import Answer, RankedKeyframe
+    from d3a.model import Box
 
+LOOKING = "Esc: back   arrows: others   c: crop   b or mouse: draw a box"
+BOXING = "arrows: move   shift+arrows or wasd: size   Enter: take it   Esc: leave it"
 HELP = """Type a question in plain English, and Enter.
 
   Where are my keys?                    Where was the cup this morning?
@@ -48,6 +54,7 @@ the second one   when was that?   where was it before that?
 
 Teach me, of the chosen row:  these are my keys     call this place the desk
 that is the same cup as number 2     that is not the same     undo
+What I do not know: draw a box (F2, then b or the mouse) and say what it is.
 
 Each key has a word too: /help /picture /map /speak /large /save /why /copy
 /undo /taught /forget (the questions of earlier chats) /quit
@@ -97,9 +104,19 @@ class PictureSheet(Overlay):
     """The whole picture of a keyframe; the arrows go through the list."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("escape,enter,q,f2", "dismiss_sheet", "Back"),
-        Binding("down,right,n", "step(1)", "Next"),
-        Binding("up,left,p", "step(-1)", "Previous"),
+        Binding("escape,q,f2", "dismiss_sheet", "Back"),
+        Binding("enter", "accept", "Back, or take the box"),
+        Binding("n", "step(1)", "Next"),
+        Binding("p", "step(-1)", "Previous"),
+        Binding("down", "arrow(0, 1)", "Next"),
+        Binding("up", "arrow(0, -1)", "Previous"),
+        Binding("right", "arrow(1, 0)", "Next"),
+        Binding("left", "arrow(-1, 0)", "Previous"),
+        Binding("shift+down,s", "grow(0, 1)", "Higher"),
+        Binding("shift+up,w", "grow(0, -1)", "Lower"),
+        Binding("shift+right,d", "grow(1, 0)", "Wider"),
+        Binding("shift+left,a", "grow(-1, 0)", "Narrower"),
+        Binding("b", "box", "Draw a box"),
         Binding("c", "crop", "Crop or whole"),
     ]
 
@@ -110,15 +127,23 @@ class PictureSheet(Overlay):
         sheet: PictureSheet
         step: int
 
+    @dataclass
+    class Boxed(Message):
+        """A box was drawn on the picture: in pixels of the frame."""
+
+        box: Box
+
     def __init__(self, shot: Shot, count: int, now: datetime, kind: Kind) -> None:
         super().__init__()
         self._shot, self._count, self._now, self._kind = shot, count, now, kind
+        self._box: Box | None = None  # the one being drawn
+        self._corner: tuple[float, float] | None = None  # where the mouse went down
 
     def compose(self) -> ComposeResult:
         """Lay out a caption, the picture, and how to leave."""
         yield Static(id="sheet-title", markup=False)
         yield PictureView(kind=self._kind, whole=True, id="whole")
-        yield Static("Esc: back   arrows: others   c: crop", id="sheet-foot", markup=False)
+        yield Static(LOOKING, id="sheet-foot", markup=False)
 
     def on_mount(self) -> None:
         """Show the picture that was asked for."""
@@ -126,16 +151,81 @@ class PictureSheet(Overlay):
 
     def show_shot(self, shot: Shot) -> None:
         """Show another keyframe."""
-        self._shot = shot
-        view = self.query_one(PictureView)
-        view.shot = shot
+        self._shot, self._box = shot, None
+        self.query_one(PictureView).shot = shot
         self._say()
+
+    def _draw(self, box: Box | None) -> None:
+        """Show the box that is being drawn, None for the keyframe's own."""
+        self._box = box
+        view, shot = self.query_one(PictureView), self._shot
+        view.whole = view.whole or box is not None
+        if box is None:
+            view.shot = shot
+        else:
+            view.shot = replace(shot, keyframe=replace(shot.keyframe, box=box, category="new"))
+        self._say()
+
+    @property
+    def _frame_size(self) -> tuple[int, int] | None:
+        picture = self._shot.picture
+        return (picture.width, picture.height) if picture else None
 
     def _say(self) -> None:
         whole = self.query_one(PictureView).whole
         width = self.size.width - 2
         words = caption(self._shot, self._count, self._now, whole=whole, width=width)
         self.query_one("#sheet-title", Static).update(words)
+        self.query_one("#sheet-foot", Static).update(LOOKING if self._box is None else BOXING)
+
+    def action_box(self) -> None:
+        """Draw a box around a thing, to say what it is."""
+        if self._frame_size is not None:
+            self._draw(first_box(self._frame_size, self._shot.keyframe.box))
+
+    def action_arrow(self, across: int, down: int) -> None:
+        """Move the box that is being drawn, else go through the list."""
+        if self._box is not None and self._frame_size is not None:
+            self._draw(moved(self._box, across, down, self._frame_size))
+        else:
+            self.action_step(across + down)
+
+    def action_grow(self, across: int, down: int) -> None:
+        """Move the right or the lower edge of the box that is being drawn."""
+        if self._box is not None and self._frame_size is not None:
+            self._draw(grown(self._box, across, down, self._frame_size))
+
+    def action_accept(self) -> None:
+        """Take the box that was drawn; without one go back to the chat."""
+        if self._box is not None:
+            self.post_message(self.Boxed(self._box))
+        self.dismiss()
+
+    def action_dismiss_sheet(self) -> None:
+        """Leave the box, if one is being drawn, else the sheet."""
+        if self._box is not None:
+            self._draw(None)
+        else:
+            self.dismiss()
+
+    def on_mouse_down(self, event: MouseDown) -> None:
+        """Begin a box where the mouse goes down."""
+        self._corner = self._point(event)
+
+    def on_mouse_move(self, event: MouseMove) -> None:
+        """Draw the box from there to here."""
+        here = self._point(event)
+        if self._corner is not None and here is not None and self._frame_size is not None:
+            self._draw(spanned(self._corner, here, self._frame_size))
+
+    def on_mouse_up(self, event: MouseUp) -> None:
+        """Leave the box as it is."""
+        self._corner = None
+
+    def _point(self, event: MouseDown | MouseMove) -> tuple[float, float] | None:
+        view = self.query_one(PictureView)
+        at = event.screen_offset - view.region.offset
+        return view.frame_point(at.x, at.y)
 
     def action_step(self, step: int) -> None:
         """Ask for the keyframe before or after."""

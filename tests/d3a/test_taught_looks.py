@@ -1,0 +1,179 @@
+"""A thing shown by a box: found by its colours, told as a look-alike, and taken back whole."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from d3a import images, teaching
+from d3a.answer import is_by_look
+from d3a.constraints import HISTORY, SAID
+from d3a.corrections import UnknownThing
+from d3a.model import BadInput, Box, Json
+from d3a.store.base import (
+    Batch,
+    Keyframe,
+    ObjectRecord,
+    Sighting,
+    StayRecord,
+    Store,
+    TaughtName,
+)
+from d3a.taught_looks import search, teach_look
+from tests.worlds.oracle import OracleStore
+
+WIDTH, HEIGHT = 240, 160
+SIZE = 40
+GADGET = ((220, 40, 180), (30, 220, 210))
+"""Two colours that the rooms do not have: a thing half and half."""
+TABLE: Box = (10.0, 100.0, 90.0, 150.0)
+PLACES = {"p0": (60, 50), "p1": (150, 90), "p2": None, "p3": (20, 20), "p4": None, "p5": None}
+
+
+def room(seed: int, at: tuple[int, int] | None, *, colours: tuple[tuple[int, ...], ...]) -> bytes:
+    """Return a picture of grainy browns and greys, with the thing where it is."""
+    rng = np.random.default_rng(seed)
+    pixels = np.full((HEIGHT, WIDTH, 3), (150, 130, 110), dtype=np.float64)
+    pixels[: HEIGHT // 3] = (190, 190, 200)
+    for _ in range(12):  # furniture
+        x, y = rng.integers(0, WIDTH - 30), rng.integers(0, HEIGHT - 20)
+        pixels[y : y + 20, x : x + 30] = rng.integers(60, 200) * np.array([1.0, 0.9, 0.8])
+    if at is not None:
+        left, top = at
+        pixels[top : top + SIZE // 2, left : left + SIZE] = colours[0]
+        pixels[top + SIZE // 2 : top + SIZE, left : left + SIZE] = colours[1]
+    noisy = np.clip(pixels + rng.normal(0, 4, pixels.shape), 0, 255).astype(np.uint8)
+    return images.encode(noisy, max(WIDTH, HEIGHT), 90)
+
+
+def fill(store: Store, *, colours: tuple[tuple[int, ...], ...] = GADGET, scale: int = 1) -> Store:
+    """A table seen in each picture, a minute apart; boxes are of frames `scale` times larger."""
+    box: Box = tuple(scale * v for v in TABLE)  # type: ignore[assignment]  # four of them
+    start, end = 0, 60_000 * (len(PLACES) - 1)
+    keyframes, sightings = [], []
+    for n, (key, at) in enumerate(PLACES.items()):
+        jpeg = room(n, at, colours=colours)
+        keyframes.append(Keyframe(key, jpeg, WIDTH * scale, HEIGHT * scale, 60_000 * n))
+        sightings.append(
+            Sighting("t", 0, 60_000 * n, 60_000 * n, f"f{n}", 0.9, box, key, category="table")
+        )
+    store.apply(
+        Batch(
+            objects=[ObjectRecord("t", "table", 6.0, start, end)],
+            stays=[StayRecord("t", 0, (1.0, 2.0, 0.7), start, end, 6.0, seen=6)],
+            sightings=sightings,
+            keyframes=keyframes,
+        )
+    )
+    return store
+
+
+def box_at(place: tuple[int, int], scale: int = 1) -> Box:
+    x, y = place
+    return (x * scale, y * scale, (x + SIZE) * scale, (y + SIZE) * scale)
+
+
+def content(store: Store) -> list[Json]:
+    return [r for r in store.dump() if r.get("key") not in (HISTORY, SAID)]
+
+
+def overlap(a: Box, b: Box) -> float:
+    width = min(a[2], b[2]) - max(a[0], b[0])
+    height = min(a[3], b[3]) - max(a[1], b[1])
+    if width <= 0 or height <= 0:
+        return 0.0
+    return width * height / max((a[2] - a[0]) * (a[3] - a[1]), (b[2] - b[0]) * (b[3] - b[1]))
+
+
+@pytest.mark.parametrize("scale", [1, 4])
+def test_it_is_found_where_it_is_and_nowhere_else(scale: int) -> None:
+    """The store may hold a smaller picture than the frame that boxes are told in."""
+    finds = search(fill(OracleStore(), scale=scale), "p0", box_at((60, 50), scale))
+    assert [find.image for find in finds[:1]] == ["p0"]
+    assert sorted(find.image for find in finds[1:]) == ["p1", "p3"]
+    for find in finds[1:]:
+        place = PLACES[find.image]
+        assert place is not None
+        assert overlap(find.box, box_at(place, scale)) > 0.6
+
+
+def test_it_is_a_thing_of_the_store_on_every_store(make_store: Callable[[], Store]) -> None:
+    store = fill(make_store())
+    before = content(store)
+    done = teach_look(store, "p0", box_at((60, 50)), "Gadget", "me", at_ms=5)
+    assert done.arguments["found"] == 3
+    [thing] = store.objects(names=["gadget"])
+    assert is_by_look(thing.object_id)
+    assert not is_by_look("t")
+    assert thing.names == (TaughtName("gadget", "me"),)
+    [stay] = store.stays(object_ids=[thing.object_id])
+    assert stay.position == (1.0, 2.0, 0.7)  # that of the table, the nearest thing
+    assert stay.covariance is not None
+    assert not stay.tentative  # the person showed one there
+    seen = store.sightings(object_ids=[thing.object_id])
+    assert [(s.image, s.start_ms, s.frame) for s in seen] == [
+        ("p0", 0, "f0"), ("p1", 60_000, "f1"), ("p3", 180_000, "f3"),
+    ]  # fmt: skip
+    assert seen[0].probability == 1.0
+    assert all(0.0 < s.probability <= 1.0 for s in seen)
+    assert store.check() == []
+    assert "shown by a box" in teaching.undo(store).said
+    assert content(store) == before
+    store.close()
+
+
+def test_the_colours_of_the_room_are_no_look() -> None:
+    store = fill(OracleStore())
+    with pytest.raises(BadInput, match="colours of what is around it"):
+        search(store, "p2", (100, 100, 140, 140))
+
+
+def test_a_look_that_is_everywhere_finds_no_more_than_chance() -> None:
+    """Two things of the same colours in each picture: neither is told from the other."""
+    store = fill(OracleStore())
+    doubled = []
+    for n, key in enumerate(PLACES):
+        pixels = images.decode(room(n, (30, 30), colours=GADGET)).copy()
+        pixels[90:130, 150:190] = pixels[30:70, 30:70]
+        jpeg = images.encode(pixels, WIDTH, 90)
+        doubled.append(Keyframe(key, jpeg, WIDTH, HEIGHT, 60_000 * n))
+    store.apply(Batch(keyframes=doubled))
+    assert len(search(store, "p0", box_at((30, 30)))) <= 2
+
+
+@pytest.mark.parametrize(
+    ("box", "words"),
+    [
+        ((10, 10, 12, 12), "too small"),
+        ((10, 10, 10, 20), "must lie in the picture"),
+        ((-1, 0, 20, 20), "must lie in the picture"),
+        ((0, 0, WIDTH + 1, 20), "must lie in the picture"),
+        ((0, 0, float("nan"), 20), "must lie in the picture"),
+    ],
+)
+def test_a_box_that_cannot_be_meant_is_refused(box: Box, words: str) -> None:
+    store = fill(OracleStore())
+    before = content(store)
+    with pytest.raises(BadInput, match=words):
+        teach_look(store, "p0", box, "gadget")
+    assert content(store) == before
+
+
+def test_a_picture_that_is_not_there_is_unknown_and_a_name_is_needed() -> None:
+    store = fill(OracleStore())
+    with pytest.raises(UnknownThing, match="no picture"):
+        teach_look(store, "p9", box_at((60, 50)), "gadget")
+    with pytest.raises(BadInput, match="name"):
+        teach_look(store, "p0", box_at((60, 50)), "  ")
+
+
+def test_damaged_pictures_are_left_out() -> None:
+    store = fill(OracleStore())
+    whole = store.keyframe("p1")
+    assert whole is not None
+    store.apply(Batch(keyframes=[Keyframe("p1", whole.jpeg[:200], WIDTH, HEIGHT, 60_000)]))
+    assert [f.image for f in search(store, "p0", box_at((60, 50)))] == ["p0", "p3"]
+    with pytest.raises(BadInput, match="damaged"):
+        search(store, "p1", box_at((150, 90)))
