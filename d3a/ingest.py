@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from itertools import chain
 from pathlib import Path
+from time import monotonic
 
 from d3a.assignments import AssignmentLog
 from d3a.associator import Associator, check_filled_alike
+from d3a.batches import Ready, one_by_one
 from d3a.detectors.base import Detector
 from d3a.detectors.recorded import RecordedDetector
 from d3a.images import HISTOGRAM_MODEL
@@ -18,14 +21,27 @@ from d3a.parameters import Parameters
 from d3a.preparation import Preparation, Stopwatch
 from d3a.readers.base import Reader, RecordingFacts, Skipped
 from d3a.retention import retain
+from d3a.sieve import Sieve, Sifted
 from d3a.store.base import Region, Store
-from d3a.store.limits import MAX_TIME_MS
 
 Progress = Callable[[int, int | None], None]
 """Called with the frames done and their number, None where that is unknown."""
-DUPLICATE = "duplicate frame"
-BACKWARDS = "time runs backwards or stands still"
-NO_DATE = "time outside of 1970 to 2199"
+
+
+@dataclass(frozen=True, slots=True)
+class Live:
+    """How an ingest goes on as its recording grows.
+
+    fresh_s: how old the store may be, where there is something new to write; None: checkpoints are
+    by the number of frames alone. should_stop: asked after each frame; once it says so, what was
+    seen is written, and the recording is left open. A reader may then yield None while it waits.
+    """
+
+    fresh_s: float | None = None
+    should_stop: Callable[[], bool] = lambda: False
+
+
+WHOLE = Live()
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,16 +74,18 @@ def ingest(
     max_frames: int | None = None,
     assignments: Path | None = None,
     intake: Intake = EVERYTHING,
+    live: Live = WHOLE,
 ) -> IngestSummary:
     """Put a recording into the store; run again, it goes on where it was or changes nothing.
 
     detector: None takes the recorded boxes. max_frames: stop after so many new frames, with the
     recording left open. assignments: a file to tell what became of each detection, a JSON object a
     line. intake: what of it goes in; a recording that was taken in otherwise before is refused.
+    live: for a reader that follows a recording as it grows.
     Raises BadInput for a recording without frames or detections, StoreError where the store fails
     or was filled with other parameters.
     """
-    run = _Run(reader, store, parameters, detector, intake)
+    run = _Run(reader, store, parameters, detector, intake, live)
     return run.go(on_progress, max_frames, assignments)
 
 
@@ -81,7 +99,9 @@ class _Run:
         parameters: Parameters,
         detector: Detector | None,
         intake: Intake,
+        live: Live,
     ) -> None:
+        self._live = live
         self._reader = reader
         self._store = store
         self._parameters = parameters
@@ -95,7 +115,6 @@ class _Run:
         self._frames = 0
         self._detections = 0
         self._total = facts.frames
-        self._names: set[str] = set()
         self._forgotten = 0
 
     def go(
@@ -118,11 +137,12 @@ class _Run:
             self._forgotten = 0 if old is None else old.intervals
         return self._summary(associator, had.frames)
 
-    def _begin(self) -> tuple[Iterator[Frame], Associator]:
+    def _begin(self) -> tuple[Iterator[Frame | None], Associator]:
         """Return the recording's frames, and the associator where the store has them up to now."""
         check_filled_alike(self._store, self._parameters, self._model)
-        frames, facts = iter(self._reader), self._reader.facts
-        first = next(frames, None)
+        frames: Iterator[Frame | None] = iter(self._reader)
+        facts = self._reader.facts
+        first = next((frame for frame in frames if frame is not None), None)
         if first is None:
             raise BadInput(f"the recording {facts.name!r} has no frame to read")
         self._check_seen(first)
@@ -140,7 +160,7 @@ class _Run:
 
     def _take_all(
         self,
-        frames: Iterator[Frame],
+        frames: Iterator[Frame | None],
         associator: Associator,
         log: AssignmentLog,
         on_progress: Progress | None,
@@ -151,17 +171,38 @@ class _Run:
         Frames that are not taken count too: checkpoints are by the recording's own numbers.
         """
         each, marked = self._parameters.checkpoint_frames, associator.consumed
-        for frame in self._fresh(frames, associator):
-            self._take(frame, associator, log)
-            if on_progress is not None:
-                on_progress(associator.consumed, self._total)
+        pulse, written = _Pulse(self._live), 0
+        for ready in one_by_one(self._sifted(frames, associator), self._preparation):
+            if ready is not None:
+                self._take(ready, associator, log)
+                if ready.prepared is None:
+                    continue
+                if on_progress is not None:
+                    on_progress(associator.consumed, self._total)
             stopped = max_frames is not None and self._frames >= max_frames
-            if stopped or associator.consumed // each > marked // each:
-                self._checkpoint(associator, log)
-                marked = associator.consumed
+            stopped = stopped or self._live.should_stop()
+            is_due = stopped or pulse.is_due() or associator.consumed // each > marked // each
+            if is_due and self._frames > written:
+                with pulse.beat():
+                    self._checkpoint(associator, log)
+                marked, written = associator.consumed, self._frames
             if stopped:
                 return True
-        return False
+        return self._live.should_stop()
+
+    def _sifted(
+        self, frames: Iterator[Frame | None], associator: Associator
+    ) -> Iterator[Sifted | None]:
+        record = associator.record
+        sieve = Sieve(
+            self._intake,
+            consumed=associator.consumed,
+            last_ms=record.last_ms,
+            was_done=record.done,
+        )
+        yield from sieve.sift(frames)
+        if not self._live.should_stop():  # else the rest is judged when it goes on
+            yield from sieve.rest()
 
     def _check_seen(self, first: Frame) -> None:
         """Refuse a recording in which nothing was looked for, before anything is stored."""
@@ -184,48 +225,20 @@ class _Run:
             intake=self._intake,
         )
 
-    def _fresh(self, frames: Iterator[Frame], associator: Associator) -> Iterator[Frame]:
-        """Yield frames that are not in the store, in time order; count those that are amiss.
-
-        A recording that is going on is continued by the number of frames taken so far, one that
-        was ended by its last time: then it has grown since.
-        """
-        consumed, record = associator.consumed, associator.record
-        for number, frame in enumerate(frames):
-            is_duplicate = frame.name in self._names
-            self._names.add(frame.name)
-            if number < consumed:
-                continue
-            associator.consumed = number + 1
-            last_ms = associator.record.last_ms
-            if record.done and record.last_ms is not None and frame.time_ms <= record.last_ms:
-                continue
-            if not 0 <= frame.time_ms < MAX_TIME_MS:
-                associator.skipped.add(NO_DATE, frame.name)
-            elif is_duplicate:
-                associator.skipped.add(DUPLICATE, frame.name)
-            elif last_ms is not None and frame.time_ms <= last_ms:
-                associator.skipped.add(BACKWARDS, frame.name)
-            elif (why := self._why_not(number, frame)) is not None:
-                associator.skipped.add(why, frame.name)
-            else:
-                yield frame
-
-    def _why_not(self, number: int, frame: Frame) -> str | None:
-        why = self._intake.why_not(number, frame.time_ms)
-        return why or self._intake.why_off_limits(frame)
-
-    def _take(self, frame: Frame, associator: Associator, log: AssignmentLog) -> None:
-        skipped = Skipped()
-        prepared = self._preparation.prepare(frame, skipped)
-        if associator.has_news():  # what people said is taken in before the tiers read its traces
-            associator.consumed -= 1
+    def _take(self, ready: Ready, associator: Associator, log: AssignmentLog) -> None:
+        prepared, sifted = ready.prepared, ready.sifted
+        # what people said is taken in before the tiers read its traces
+        if prepared is not None and associator.has_news():
             self._checkpoint(associator, log)
-            associator.consumed += 1
-        associator.skipped.join(skipped)
+        associator.consumed = sifted.number + 1
+        if sifted.why is not None:
+            associator.skipped.add(sifted.why, sifted.frame.name)
+        if prepared is None:
+            return
+        associator.skipped.join(ready.skipped)
         with self._stopwatch.stage("tiers"):
             associator.add(prepared.scene, prepared.picture)
-        log.left_out(frame.name, prepared.left_out)
+        log.left_out(sifted.frame.name, prepared.left_out)
         log.events(associator.take_events())
         self._frames += 1
         self._detections += len(prepared.scene.detections)
@@ -258,6 +271,30 @@ class _Run:
             already_frames=had_frames,
             forgotten=self._forgotten,
         )
+
+
+class _Pulse:
+    """Says when the store has got too old; a slow one is written to less often."""
+
+    SHARE = 10
+    """At most one part in so many of the time goes into such checkpoints."""
+
+    def __init__(self, live: Live) -> None:
+        self._fresh_s = live.fresh_s
+        self._last = monotonic()
+        self._cost = 0.0
+
+    def is_due(self) -> bool:
+        if self._fresh_s is None:
+            return False
+        return monotonic() - self._last >= max(self._fresh_s, self.SHARE * self._cost)
+
+    @contextmanager
+    def beat(self) -> Iterator[None]:
+        start = monotonic()
+        yield
+        self._last = monotonic()
+        self._cost = self._last - start
 
 
 def _name_of_its_own(name: str, key: str, store: Store) -> str:

@@ -8,11 +8,12 @@ from pathlib import Path
 
 import pytest
 
-from d3a.ingest import BACKWARDS, DUPLICATE, NO_DATE, ingest
+from d3a.ingest import ingest
 from d3a.model import BadInput, Detection, Frame, Pose
 from d3a.parameters import DEFAULT, PAPER, Parameters
 from d3a.preparation import BROKEN_DEPTH, BROKEN_PICTURE, OTHER_CAMERA, OUTSIDE, TOO_FAR, WEAK
 from d3a.readers.opening import open_source
+from d3a.sieve import BACKWARDS, DUPLICATE, NO_DATE
 from d3a.store.base import Batch, TaughtName
 from tests.worlds.oracle import OracleStore
 from tests.worlds.rounds import (
