@@ -12,9 +12,11 @@ from pathlib import Path
 from typing import Any
 from zoneinfo import ZoneInfo, available_timezones
 
+from assistant import protocols
+
 APP = "d3a"
 FILE = "d3a.toml"
-CHOICES = {"color": ("auto", "always", "never"), "pictures": ("cells", "ascii", "off")}
+CHOICES = {"color": ("auto", "always", "never"), "images": protocols.CHOICES}
 HIDDEN = {"clock", "store_from"}
 """Fields of Settings that no file may hold."""
 STORE_SCHEME = "sqlite:///"
@@ -30,7 +32,7 @@ class Settings:
 
     store: a path or URI, None for the default file. store_from: where that was said.
     zone: an IANA name, None for the store's own. now: ISO, "last", or None for the clock.
-    pictures: how the chat shows them, cells, ascii or off.
+    images: how the chat shows pictures, one of CHOICES; see `protocols`.
     history: whether questions are kept for the next chat. speak: the command that says an answer
     aloud, its words being the last argument; empty for the first that the machine has.
     """
@@ -41,7 +43,7 @@ class Settings:
     zone: str | None = None
     now: str | None = None
     color: str = "auto"
-    pictures: str = "cells"
+    images: str = "auto"
     quiet: bool = False
     history: bool = True
     speak: str = ""
@@ -162,7 +164,7 @@ def load(
         settings = _laid_over(settings, _read(path), f"{path}")
     given: dict[str, Any] = {
         name: environ[f"D3A_{name.upper()}"]
-        for name in ("store", "zone", "now", "color", "pictures")
+        for name in ("store", "zone", "now", "color", "images")
         if environ.get(f"D3A_{name.upper()}")
     }
     return _laid_over(settings, given, "the environment (D3A_*)")

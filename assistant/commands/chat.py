@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from datetime import datetime, timedelta
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING
 
 import click
 
@@ -14,7 +14,6 @@ from assistant.terminal import is_terminal, why_not_full_screen
 if TYPE_CHECKING:
     from assistant.config import Settings
     from assistant.session import Session
-    from assistant.ui.picture import Kind
     from d3a.store.base import Store
 
 
@@ -70,9 +69,16 @@ def hold(session: Session, settings: Settings, *, plain: bool = False) -> None:
         talk(session, sys.stdin, sys.stdout, ask_for_lines=is_terminal(sys.stdin))
         return
     from assistant.config import user_state
+    from assistant.protocols import PIXELS, choose
     from assistant.ui.app import ChatApp
     from assistant.ui.history import History
 
     history = History(user_state() / "questions.jsonl") if settings.history else History()
-    pictures = cast("Kind", settings.pictures)
-    ChatApp(session, history=history, pictures=pictures, speak=settings.speak).run()
+    chosen = choose(settings.images)
+    if chosen.kind in PIXELS:
+        from assistant.ui import pixels
+
+        pixels.load(chosen.cell)
+    app = ChatApp(session, history=history, pictures=chosen.kind, speak=settings.speak)
+    app.chat.typed = chosen.typed
+    app.run()

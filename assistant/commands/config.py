@@ -18,7 +18,7 @@ SAMPLE = """\
 # store = "mongodb://robot.local/home"   # or a file: "sqlite:////home/me/robot.db"
 # zone = "Europe/Berlin"                 # times are said in this zone; else in the home's own
 # color = "auto"                         # auto, always, never
-# pictures = "cells"                     # cells, ascii, off
+# images = "auto"                        # auto, kitty, sixel, cells, ascii, off
 # history = true                         # keep questions for the next chat
 # speak = "espeak-ng -s 150"             # says an answer aloud; else spd-say, say or espeak-ng
 """

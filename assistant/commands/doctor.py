@@ -22,6 +22,7 @@ from assistant.options import (
     store_name,
     zone_if_said,
 )
+from assistant.protocols import choose
 from assistant.terminal import clean, json_line, speaks_unicode, why_not_full_screen
 
 SCHEMA = 1
@@ -135,8 +136,17 @@ def terminal_findings(settings: Settings, environ: Mapping[str, str]) -> Iterato
     far = [name for name in ("SSH_CONNECTION", "TMUX", "STY") if environ.get(name)]
     yield "through", ", ".join(far) or "nothing: a terminal of this machine"
     yield "colours", "off (NO_COLOR)" if environ.get("NO_COLOR") else "as the terminal has them"
-    yield "pictures", settings.pictures
+    yield "images", images_finding(settings, environ, reason)
     yield "machine zone", str(machine_zone())
+
+
+def images_finding(settings: Settings, environ: Mapping[str, str], reason: str | None) -> str:
+    """Say how the chat would show pictures here, and why; a terminal is asked as the chat does."""
+    if reason is not None:
+        return f"{settings.images}; none in a chat that is held line by line"
+    chosen = choose(settings.images, environ)
+    said = f"{settings.images}: " if settings.images != chosen.kind else ""
+    return f"{said}{chosen.kind} ({chosen.why})"
 
 
 def store_findings(settings: Settings) -> tuple[ExitCode, dict[str, object]]:

@@ -21,6 +21,7 @@ from textual.message import Message
 from textual.screen import Screen
 from textual.widgets import Input
 
+from assistant.protocols import Kind
 from assistant.session import Session, known_words, questions_for
 from assistant.speaking import Voice
 from assistant.terminal import clean
@@ -31,7 +32,7 @@ from assistant.ui.floor import read_floor
 from assistant.ui.history import History
 from assistant.ui.lists import KeyframeList, QuestionList
 from assistant.ui.palette import Palette
-from assistant.ui.picture import Kind, Shot
+from assistant.ui.picture import Shot
 from assistant.ui.save import save_answer, save_text
 from assistant.ui.sheets import HELP, FloorSheet, LargeSheet, PictureSheet, Sheet, why_text
 from assistant.wording import keyframe_row

@@ -17,12 +17,13 @@ from textual.screen import Screen
 from textual.widgets import Footer, Static
 
 from assistant.english import ago
+from assistant.protocols import Kind
 from assistant.session import Session
 from assistant.terminal import clean, width_of
 from assistant.ui.floor import Floor
 from assistant.ui.lists import KeyframeList, QuestionList
 from assistant.ui.panels import FloorView, Timeline, exchange
-from assistant.ui.picture import Kind, PictureView, Shot, caption
+from assistant.ui.picture import PictureView, Shot, caption
 from assistant.ui.prompt import Prompt
 from assistant.ui.sheets import Sheet
 from assistant.wording import from_ms, short_time
@@ -115,6 +116,8 @@ class ChatScreen(Screen[None]):
         self._asked_at: datetime | None = None
         self._world = World()
         self._earlier: list[Text] = []
+        self.typed = ""
+        """What the person typed before the screen stood there."""
 
     @property
     def shot(self) -> Shot | None:
@@ -168,6 +171,7 @@ class ChatScreen(Screen[None]):
         """Start on an empty conversation."""
         self.add_class("-idle")
         self.focus_prompt()
+        self.query_one(Prompt).insert_text_at_cursor(self.typed)
         self._show_header()
         self.post_message(self.Ready())
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 import numpy as np
 from rich.color import Color
@@ -16,6 +16,7 @@ from textual.strip import Strip
 from textual.widget import Widget
 
 from assistant.drawing import decode, scaled_box
+from assistant.protocols import PIXELS, Kind
 from assistant.terminal import clean, width_of
 from assistant.ui.cells import Cells, box_cells, crop_around, render, with_box
 from assistant.wording import place_words, short_time
@@ -23,15 +24,14 @@ from assistant.wording import place_words, short_time
 if TYPE_CHECKING:
     from datetime import datetime
 
-    from textual.app import RenderResult
+    from PIL.Image import Image
+    from textual.app import ComposeResult, RenderResult
     from textual.events import Resize
     from textual.timer import Timer
 
     from d3a.answer import RankedKeyframe
     from d3a.store.base import Keyframe
 
-Kind = Literal["cells", "ascii", "off"]
-PICTURES: tuple[Kind, ...] = ("cells", "ascii", "off")
 SETTLE_S = 0.03
 """A layout settles in several steps; a picture sent at each is 2 MB at the start of a chat."""
 
@@ -61,19 +61,25 @@ def caption(shot: Shot | None, count: int, now: datetime, *, whole: bool, width:
 
 
 class PictureView(Widget):
-    """A picture in cells. Data goes in by `shot`; the drawing is done in a thread.
+    """A picture in cells or pixels. Data goes in by `shot`; the drawing is done in a thread.
 
     whole: show the whole picture instead of the part around the box.
     """
 
+    DEFAULT_CSS = "PictureView { align: center middle; }"
+
     @dataclass
     class Drawn(Message):
-        """A thread has drawn a picture; `number` tells a late one from the newest."""
+        """A thread has drawn a picture; `number` tells a late one from the newest.
+
+        pixels: the picture for a terminal that shows pixels, and the cells it takes.
+        """
 
         view: PictureView
         number: int
         cells: Cells | None
         note: str
+        pixels: tuple[Image, int, int] | None = None
 
     shot: reactive[Shot | None] = reactive(None, init=False)
     whole: reactive[bool] = reactive(False, init=False)
@@ -86,6 +92,15 @@ class PictureView(Widget):
         self._number = 0
         self._settling: Timer | None = None
         self.set_reactive(PictureView.whole, whole)
+
+    def compose(self) -> ComposeResult:
+        """Lay out what shows pixels, where the terminal does."""
+        if self._kind in PIXELS:
+            from assistant.ui import pixels
+
+            child = pixels.widget(self._kind)
+            child.display = False
+            yield child
 
     @property
     def text(self) -> str:
@@ -136,23 +151,35 @@ class PictureView(Widget):
         self, number: int, shot: Shot, columns: int, rows: int, whole: bool
     ) -> None:
         note = ""
-        cells = None
+        cells, pixels = None, None
         try:
-            cells = draw(shot, columns, rows, whole=whole, ascii_only=self._kind == "ascii")
-            note = "" if cells else "no picture is stored for this keyframe"
+            if self._kind in PIXELS:
+                pixels = _in_pixels(shot, columns, rows, whole=whole)
+            else:
+                cells = draw(shot, columns, rows, whole=whole, ascii_only=self._kind == "ascii")
+            note = "" if cells or pixels else "no picture is stored for this keyframe"
         except (OSError, ValueError, SyntaxError) as error:  # what PIL raises for damaged bytes
             note = f"the stored picture cannot be read: {clean(str(error))}"
-        self.post_message(self.Drawn(self, number, cells, note))
+        self.post_message(self.Drawn(self, number, cells, note, pixels))
 
     def on_picture_view_drawn(self, message: Drawn) -> None:
         """Show what a thread has drawn, unless something newer was asked for since."""
         message.stop()
         if message.view is self and message.number == self._number:
-            self._show(message.cells, message.note)
+            self._show(message.cells, message.note, message.pixels)
 
-    def _show(self, cells: Cells | None, note: str) -> None:
+    def _show(
+        self, cells: Cells | None, note: str, drawn: tuple[Image, int, int] | None = None
+    ) -> None:
         self._strips = [] if cells is None else strips(cells)
         self._note = note
+        if self._kind in PIXELS:
+            from assistant.ui import pixels
+
+            image, columns, rows = drawn or (None, 0, 0)
+            self._strips = [Strip.blank(columns)] * rows  # what the pixels lie over
+            for child in self.children:
+                pixels.show(child, image, columns, rows)
         self.refresh()
 
     def render(self) -> RenderResult:
@@ -194,6 +221,14 @@ def draw(
     if drawn is None:
         return cells
     return with_box(cells, drawn, clean(shot.keyframe.category), ascii_only=ascii_only)
+
+
+def _in_pixels(
+    shot: Shot, columns: int, rows: int, *, whole: bool
+) -> tuple[Image, int, int] | None:
+    from assistant.ui import pixels
+
+    return pixels.draw(shot, columns, rows, whole=whole, cell=pixels.cell_size())
 
 
 def strips(cells: Cells) -> list[Strip]:

@@ -14,10 +14,11 @@ from textual.message import Message
 from textual.screen import ModalScreen
 from textual.widgets import Static
 
+from assistant.protocols import Kind
 from assistant.terminal import clean, clean_lines
 from assistant.ui.boxing import first_box, grown, moved, spanned
 from assistant.ui.panels import FloorView
-from assistant.ui.picture import Kind, PictureView, Shot, caption
+from assistant.ui.picture import PictureView, Shot, caption
 from assistant.wording import how_sure, place_words, short_time
 
 if TYPE_CHECKING:

@@ -526,7 +526,7 @@ def test_config_shows_where_settings_come_from(run: Run, tmp_path: Path) -> None
     assert "robot:***@robot.local" in shown
     assert str(path) in shown
     [record] = records(run("config", "show", "--json"))
-    assert record["pictures"] == "cells"
+    assert record["images"] == "auto"
     paths = run("config", "path").stdout.splitlines()
     assert paths[0] == str(path)
     assert paths[1].endswith("d3a.toml (does not exist)")
@@ -540,8 +540,8 @@ def test_each_setting_of_the_sample_file_is_a_setting(run: Run, tmp_path: Path) 
     assert result.exit_code == 0, result.output
     [record] = records(result)
     assert record["zone"] == "Europe/Berlin"
-    (tmp_path / "d3a.toml").write_text('pictures = "sixel"\n')
-    assert "cells, ascii, off" in run("config", "show").stderr
+    (tmp_path / "d3a.toml").write_text('images = "sexel"\n')
+    assert "auto, kitty, sixel, cells, ascii, off" in run("config", "show").stderr
 
 
 def test_doctor_tells_what_is_wrong(run: Run, filled: str, tmp_path: Path) -> None:
