@@ -115,14 +115,20 @@ def json_lines(path: Path, skipped: Skipped) -> Iterator[tuple[int, Json]]:
         for number_, line in enumerate(lines):
             if not line.strip():
                 continue
-            try:
-                record = json.loads(line)
-            except ValueError:
-                record = None
-            if isinstance(record, dict):
+            record = json_line(line)
+            if record is not None:
                 yield number_, record
             else:
                 skipped.add(BROKEN_LINE, f"{path.name}:{number_ + 1}")
+
+
+def json_line(line: str) -> Json | None:
+    """Return the object that a line holds, None for what is no JSON object."""
+    try:
+        record = json.loads(line)
+    except ValueError:
+        return None
+    return record if isinstance(record, dict) else None
 
 
 def warn_unknown(
@@ -160,6 +166,10 @@ class Rows:
 
     def __init__(self) -> None:
         self._by_frame: dict[str, list[Detection]] = {}
+
+    def __contains__(self, frame: str) -> bool:
+        """Say whether there are detections of the frame, not taken yet."""
+        return frame in self._by_frame
 
     def add(self, frame: str, detection: Detection) -> None:
         """Keep a detection of a frame."""

@@ -10,7 +10,7 @@ import json
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,14 +25,26 @@ FRAMES = "frames.jsonl"
 DETECTIONS = "detections.jsonl"
 EMBEDDINGS = "embeddings.npy"
 SCHEMA = 1
-_FACTS_KNOWN = frozenset(
+FACTS_KNOWN = frozenset(
     {"schema", "recording", "site", "zone", "camera", "embedding", "map"}
     | {"now", "regions", "classes"}
 )
-_FRAME_KNOWN = frozenset(["frame", "time", "pose", "pose_covariance", "image", "depth"])
-_DETECTION_KNOWN = frozenset(
+FRAME_KNOWN = frozenset(["frame", "time", "pose", "pose_covariance", "image", "depth"])
+DETECTION_KNOWN = frozenset(
     {"frame", "category", "probability", "box", "position", "embedding", "covariance"}
 )
+
+
+class Vectors(Protocol):
+    """Embeddings by row: an array (n, dim), or a file of them that grows."""
+
+    def __len__(self) -> int:
+        """Return how many rows there are."""
+        ...
+
+    def __getitem__(self, row: int, /) -> NDArray[np.float32]:
+        """Return a row (dim,)."""
+        ...
 
 
 def looks_like(folder: Path) -> bool:
@@ -88,10 +100,10 @@ class RecordingReader:
     def __iter__(self) -> Iterator[Frame]:
         """Yield frames in the file's order; the ingest counts those that go back in time."""
         self.skipped = Skipped()
-        parsing.warn_unknown(self._record, _FACTS_KNOWN, FACTS, self.skipped)
+        parsing.warn_unknown(self._record, FACTS_KNOWN, FACTS, self.skipped)
         rows = self._detections()
         for number, record in parsing.json_lines(self._folder / FRAMES, self.skipped):
-            parsing.warn_unknown(record, _FRAME_KNOWN, FRAMES, self.skipped)
+            parsing.warn_unknown(record, FRAME_KNOWN, FRAMES, self.skipped)
             try:
                 frame = self._frame(record, rows)
             except BadInput as error:
@@ -157,7 +169,7 @@ class RecordingReader:
         embeddings = self._embeddings()
         for number, record in parsing.json_lines(path, self.skipped):
             where = f"{DETECTIONS}:{number + 1}"
-            parsing.warn_unknown(record, _DETECTION_KNOWN, DETECTIONS, self.skipped)
+            parsing.warn_unknown(record, DETECTION_KNOWN, DETECTIONS, self.skipped)
             try:
                 detection = self._detection(number, record, embeddings, where)
                 rows.add(parsing.frame_name(record.get("frame")), detection)
@@ -180,7 +192,7 @@ class RecordingReader:
         return np.asarray(matrix)
 
     def _detection(
-        self, number: int, record: Json, embeddings: NDArray[np.float32] | None, where: str
+        self, number: int, record: Json, embeddings: Vectors | None, where: str
     ) -> Detection:
         position = record.get("position")
         covariance = record.get("covariance")
@@ -200,7 +212,7 @@ class RecordingReader:
         )
 
 
-def _embedding(row: Any, embeddings: NDArray[np.float32] | None) -> NDArray[np.float32] | None:
+def _embedding(row: Any, embeddings: Vectors | None) -> NDArray[np.float32] | None:
     if row is None:
         return None
     if embeddings is None:
