@@ -15,6 +15,7 @@ from typing import Any, Protocol
 from d3a.checkpoint import Arrays, pack, unpack
 from d3a.constraints import SAID, Constraints, History
 from d3a.coverage import Coverage
+from d3a.floor_map import MAP, RECORDED_MAP
 from d3a.forgotten import FORGOTTEN
 from d3a.ledger import Ledger
 from d3a.match import squash
@@ -307,6 +308,8 @@ class Associator:
         for name, value in (("zone", self._facts.zone), ("now", self._facts.now)):
             if value is not None and self._store.meta(name) is None:
                 meta[name] = value
+        if self._facts.map is not None and self._store.meta(MAP) is None:
+            meta |= {MAP: RECORDED_MAP, RECORDED_MAP: self._facts.map}
         if self._facts.classes:
             known = set(self._store.meta("classes") or ())
             meta["classes"] = sorted(known.union(self._facts.classes))

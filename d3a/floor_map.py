@@ -23,6 +23,8 @@ from d3a.store.limits import MAX_META_BYTES
 
 MAP = "map"
 """Key of the store's meta that names the key of the map in use."""
+RECORDED_MAP = "map:recorded"
+"""Key of a map that came with a recording, where nobody had imported one."""
 OCCUPIED, FREE, UNKNOWN = 100, 0, -1
 """Of a cell, as in nav_msgs/OccupancyGrid."""
 MOST_CELLS = 64_000_000

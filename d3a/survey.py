@@ -305,7 +305,7 @@ def _doubts(found: Survey) -> Iterator[Lack]:
         )
     for stream in found.streams:
         share = found.coverage.get(stream.name, 1.0)
-        if share < 0.9:
+        if stream.spans and share < 0.9:
             yield Lack(
                 f"{stream.kind} for {1 - share:.0%} of the time ({stream.name})",
                 f"frames of that time go without {stream.kind}",

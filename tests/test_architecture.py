@@ -25,6 +25,7 @@ ONLY_USERS = {
     "textual": ("assistant/ui/",),
     "mitsuba": ("assistant/home/",),
     "matplotlib": ("assistant/evaluation/",),
+    "rosbags": ("d3a/readers/ros_bag.py",),
 }
 GRAMMAR_MAY_USE = {"lark", "rapidfuzz"}
 

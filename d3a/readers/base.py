@@ -26,6 +26,7 @@ class RecordingFacts:
     embeddings. now: a fixed "now" in ISO form (the demo home). extra: fields kept in the store.
     min_probability: below it the detector's words are noise; used where `Parameters` leaves it.
     notes: what the reader took for granted, a sentence each, for whoever looks on.
+    map: the floor plan that came along, as `FloorMap.to_json`; for a store that has none.
     """
 
     name: str
@@ -39,6 +40,7 @@ class RecordingFacts:
     extra: Json = field(default_factory=dict)
     min_probability: float = 0.0
     notes: tuple[str, ...] = ()
+    map: Json | None = field(default=None, repr=False)
 
 
 @dataclass(slots=True)
@@ -84,7 +86,7 @@ class Stream:
 
     kind: what it holds ("pictures", "depth", "sensor_msgs/msg/Image", ...). count: its rows or
     messages. first_ms, last_ms: UTC milliseconds, None where it has no times. longest_gap_s: the
-    longest time between two, None below two.
+    longest time between two, None below two. spans: whether frames want it all of their time.
     """
 
     name: str
@@ -93,6 +95,7 @@ class Stream:
     first_ms: int | None = None
     last_ms: int | None = None
     longest_gap_s: float | None = None
+    spans: bool = True
 
     @property
     def rate_hz(self) -> float | None:

@@ -8,7 +8,18 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from d3a.model import BadInput
-from d3a.readers import coco, csv_table, kuri, parsing, pictures, posed, recording, tum, video
+from d3a.readers import (
+    coco,
+    csv_table,
+    kuri,
+    parsing,
+    pictures,
+    posed,
+    recording,
+    rosbag,
+    tum,
+    video,
+)
 from d3a.readers.base import Reader
 from d3a.readers.options import Options
 
@@ -47,6 +58,9 @@ FORMATS: dict[str, Format] = {
     ),
     "tum": Format(tum.looks_like, tum.TumReader, tum.TumReader.looked_for, tum.OPTIONS),
     "coco": Format(coco.looks_like, coco.CocoReader, coco.CocoReader.looked_for, coco.OPTIONS),
+    "rosbag": Format(
+        rosbag.looks_like, rosbag.RosbagReader, rosbag.RosbagReader.looked_for, rosbag.OPTIONS
+    ),
     "video": Format(
         video.looks_like, video.VideoReader, video.VideoReader.looked_for, video.OPTIONS
     ),

@@ -15,6 +15,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from d3a.floor_map import read_map
 from d3a.images import unit
 from d3a.model import BadInput, Camera, Detection, Frame, Json, Pose
 from d3a.readers import parsing
@@ -25,6 +26,7 @@ FRAMES = "frames.jsonl"
 DETECTIONS = "detections.jsonl"
 EMBEDDINGS = "embeddings.npy"
 SCHEMA = 1
+BROKEN_MAP = "broken map"
 FACTS_KNOWN = frozenset(
     {"schema", "recording", "site", "zone", "camera", "embedding", "map"}
     | {"now", "regions", "classes"}
@@ -74,7 +76,17 @@ class RecordingReader:
             embedding_model=str(embedding.get("name")) if embedding else None,
             now=self._now(),
             regions=_regions(self._record.get("regions") or ()),
+            map=self._map(Skipped()),
         )
+
+    def _map(self, skipped: Skipped) -> Json | None:
+        """Return the floor plan that the folder brings; a broken one is counted."""
+        try:
+            path = parsing.inside(self._folder, self._record.get("map"))
+            return None if path is None else read_map(path).to_json()
+        except BadInput as error:
+            skipped.add(BROKEN_MAP, str(error))
+            return None
 
     def _read_facts(self) -> Json:
         try:
@@ -101,6 +113,7 @@ class RecordingReader:
         """Yield frames in the file's order; the ingest counts those that go back in time."""
         self.skipped = Skipped()
         parsing.warn_unknown(self._record, FACTS_KNOWN, FACTS, self.skipped)
+        self._map(self.skipped)
         rows = self._detections()
         for number, record in parsing.json_lines(self._folder / FRAMES, self.skipped):
             parsing.warn_unknown(record, FRAME_KNOWN, FRAMES, self.skipped)
