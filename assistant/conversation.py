@@ -11,7 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from datetime import datetime
 from time import perf_counter
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 from assistant.asking import ask, ask_query, explain, failure, refusal, store_words
 from assistant.dialogue import Seen, follow, is_about_the_same, is_beside
@@ -30,7 +30,6 @@ from assistant.pointing import (
     shown,
     told,
 )
-from assistant.remembering import NOTHING_SHOWN, Learned, Scene, learn
 from assistant.session import Pointer
 from assistant.taught import Boxing, Naming, Teaching, read_teaching, row_of
 from d3a.answer import Answer, RankedKeyframe, Status, is_by_look
@@ -38,6 +37,9 @@ from d3a.store.base import Store, StoreError
 from grammar.errors import QuestionError
 from grammar.forms import FormalQuery
 from grammar.notation import looks_formal, write
+
+if TYPE_CHECKING:
+    from assistant.remembering import Learned
 
 Keep = Callable[[RankedKeyframe], bool]
 _THERE = re.compile(r"\b(?:it|they|them|one) there\b")
@@ -215,7 +217,7 @@ class Conversation:
         refused = (*self._said.refused, row)
         last = self._said.last
         if last is None:
-            return self._beside_rows(text, NOTHING_SHOWN, "not_found")
+            return self._no_row(text)
         answer = ask_query(self._store, last, now=self._now())
         if answer.status == "error":
             return replace(answer, text=text, suggestions=(text,))
@@ -227,6 +229,8 @@ class Conversation:
     # teaching
 
     def _teach(self, text: str, teaching: Teaching) -> Answer:
+        from assistant.remembering import Scene, learn  # a chat that is not taught goes without
+
         scene = Scene(shown(self._said.answer), self.pointer.row, self.pointer.box)
         try:
             learned = learn(self._store, teaching, scene, self._now())

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from typing import TextIO
 
-from assistant.session import Session, questions_for
+from assistant.session import Session, questions_for, told
 from assistant.terminal import clean, clean_lines
 from assistant.wording import keyframe_row, more_words
 from d3a.answer import Answer
@@ -65,9 +65,10 @@ class PlainChat:
         answer = self._session.safely(text)
         self._answer = answer
         self._say(f"You: {answer.text if text.isdigit() else text}")
-        self._say(f"Answer: {clean(answer.answer or answer.message or '')}")
-        if answer.message and answer.answer and answer.message != answer.answer:
-            self._say(f"Reason: {clean(answer.message)}")
+        sentence, reason = told(answer)
+        self._say(f"Answer: {clean(sentence)}")
+        if reason:
+            self._say(f"Reason: {clean(reason)}")
         if answer.query is not None:  # what was taught leaves the list as it was heard
             self._list(0, SHOWN)
         if answer.otherwise is not None and not answer.keyframes:

@@ -10,6 +10,7 @@ from rich.text import Text
 from textual.reactive import reactive
 from textual.widget import Widget
 
+from assistant.session import told
 from assistant.terminal import clean, shorten
 from assistant.ui.floor import Floor, draw_floor, marks_of
 from assistant.wording import more_words, short_time
@@ -25,14 +26,12 @@ if TYPE_CHECKING:
 def exchange(answer: Answer) -> Text:
     """Return a question and its answer; what a person and a recording said stays plain text."""
     text = Text(f"You: {clean(answer.text)}\n", style="dim")
-    sentence = clean(answer.answer or answer.message or "")
-    text.append(sentence, style="not dim bold")
+    sentence, reason = told(answer)
+    text.append(clean(sentence), style="not dim bold")
     more = more_words(answer) if answer.query is not None else ""
     if more:
         text.append(f" {more}", style="not dim")
-    notes = []
-    if answer.message and answer.message not in (answer.answer, ""):
-        notes.append(clean(answer.message))
+    notes = [clean(reason)] if reason else []
     if answer.otherwise is not None and not answer.keyframes:
         notes.append("Below: the nearest that I did see.")
     elif answer.status == "error" and answer.suggestions:

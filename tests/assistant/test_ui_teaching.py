@@ -8,7 +8,7 @@ import pytest
 from textual.command import CommandList, CommandPalette
 
 from assistant.conversation import Conversation
-from assistant.session import Session
+from assistant.session import Session, told
 from assistant.ui.commands import COMMANDS
 from assistant.ui.lists import KeyframeList, QuestionList
 from d3a.answer import Answer
@@ -195,3 +195,14 @@ async def test_taught_words_are_never_markup() -> None:
         assert "[red]x" in name.word
         await c.pilot.press("f5", "escape", "f7", "escape")
         assert c.app.is_running
+
+
+def test_what_is_offered_is_said_once() -> None:
+    offered = ("Where is the cup?", "Where is the bowl?")
+    reason = "It asks one thing or another."
+    said = f"{reason} Did you mean: {offered[0]}"
+    answer = Answer(status="ambiguous", answer=said, message=reason, suggestions=offered)
+    assert told(answer) == (reason, "")
+    assert told(Answer(answer="I never saw one.")) == ("I never saw one.", "")
+    failed = Answer(status="error", answer="I cannot.", message="no server", suggestions=("x",))
+    assert told(failed) == ("I cannot.", "no server")
