@@ -13,10 +13,10 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from d3a.colours.looks import HISTOGRAM_MODEL as HISTOGRAM_MODEL
 from d3a.model import BadInput, Box, Depth, Image
 
 Pixels = NDArray[np.uint8]
+HISTOGRAM_MODEL = "rgb-8x8x8"
 MILLIMETRES = 1000.0
 MAX_SIDE, MAX_PIXELS = 1 << 16, 1 << 27
 """A larger picture is refused before it is decoded: it would fill the memory."""
