@@ -26,7 +26,7 @@ from d3a.store.base import (
     Store,
     TaughtName,
 )
-from d3a.store.newest import newest_of
+from d3a.store.newest import is_whole, newest_of
 from grammar.forms import RelationKind
 
 MOST_KEPT = 5_000
@@ -188,15 +188,17 @@ class Facts:
             return newest_of(ordered, limit, oldest=oldest)
         last = None if end_ms is None else end_ms - 1
         found = self.store.newest(ids, limit, start_ms=start_ms, end_ms=last, oldest=oldest)
-        bounded = start_ms is not None or end_ms is not None
-        if bounded or len(found) >= limit:
-            return found
+        if start_ms is None and end_ms is None and is_whole(found, limit):
+            self._keep_sightings(ids, found)
+        return found
+
+    def _keep_sightings(self, ids: Sequence[str], found: Sequence[Sighting]) -> None:
+        """Keep the sightings of objects, where there is room: all that there are."""
         if self._known.keeps("sightings", len(found), MOST_SIGHTINGS):
             fresh: dict[str, list[Sighting]] = {name: [] for name in ids}
             for sighting in found:
                 fresh[sighting.object_id].append(sighting)
-            known |= fresh
-        return found
+            self._known.sightings |= fresh
 
     def sightings(
         self, ids: Sequence[str], start_ms: int | None, end_ms: int | None

@@ -109,6 +109,9 @@ class Run:
             return moments
         for found in self.found.values():
             found.refuse_doubtful()
+        for sifted in (self.before_place, self.before_relation):
+            for var, sightings in sifted.items():
+                sifted[var] = [s for s in sightings if s.object_id not in doubtful]
         if self.moments is not None:
             self.moments = []
         return []

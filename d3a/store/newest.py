@@ -75,3 +75,14 @@ def newest_of(sightings: Sequence[Sighting], limit: int, *, oldest: bool = False
             if len(found) == limit:
                 break
     return found if oldest else found[::-1]
+
+
+def is_whole(found: Sequence[Sighting], limit: int) -> bool:
+    """Whether what `Store.newest` chose for a limit is surely all that there is.
+
+    Of more than the limit each stay gives the same share: none of them is cut that gave less.
+    """
+    if len(found) >= limit:
+        return False
+    given = Counter(sighting.stay for sighting in found)
+    return max(1, limit // max(len(given), 1)) not in given.values()

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import random
 from contextlib import closing
+from pathlib import Path
 
 import pytest
 
 from assistant.asking import ask
 from d3a.answer import Answer
+from d3a.facts import Facts
 from d3a.store import open_store, sqlite_newest
 from d3a.store.base import Store
 from d3a.store.newest import newest_of
@@ -45,6 +47,21 @@ def test_the_newest_of_each_stay_by_windows_as_by_reading_all(
             assert found == newest_of(read, limit, oldest=oldest)
             seen = store.count_seen(some, start_ms=start, end_ms=end)
             assert seen == len({sighting.object_id for sighting in read})
+
+
+def test_a_choice_of_the_newest_is_not_kept_as_all_that_there_is(tmp_path: Path) -> None:
+    home = Home()
+    home.thing("c", "cup")
+    for place in range(3):
+        home.seen("c", place, place=place)
+    for number in range(40):
+        home.seen("c", 10 + number / 2, at=(1.0, 1.0, 0.0))
+    with closing(open_store(str(tmp_path / "home.db"))) as store:
+        home.into(store)
+        every = store.sightings(object_ids=["c"])
+        assert len(Facts(store).newest(["c"], 20, None, None)) < 20  # as much of each stay
+        assert Facts(store).sightings(["c"], None, None) == every
+        assert Facts(store).newest(["c"], 60, None, None) == every
 
 
 @pytest.fixture

@@ -451,3 +451,19 @@ def test_what_is_doubtful_is_listed_below_what_is_likely_and_never_alone() -> No
     assert alone.otherwise.object_id == "rusty"
     counted = run(cups(("red", "red"), rusty), query(term("cup", "red"), ask="count"))
     assert ids(counted) == ["red"]
+
+
+def test_a_relation_of_mere_doubts_is_a_no_about_what_is_likely() -> None:
+    home = Home()
+    things: tuple[tuple[str, str | tuple[float, float, float]], ...]
+    things = (("red", "red"), ("rusty", (150.0, 66.0, 38.0)))
+    for number, (name, look) in enumerate(things):
+        home.thing(name, "cup", paint=look)
+        home.seen(name, 10 * number, 10 * number + 5, at=(9.0 * number, 0, 1))
+    for number, paint in enumerate(("green", "blue", "white", "brown", "orange")):
+        home.thing(paint, "bowl", paint=paint)
+        home.seen(paint, 10, 15, at=(9.0 + number / 10, 0, 1))
+    answer = run(home, query(term("cup", "red"), term("bowl"), ask="when", kind="together"))
+    assert (answer.status, answer.reason) == ("not_found", "not_there")
+    assert answer.otherwise is not None
+    assert answer.otherwise.object_id == "red"
