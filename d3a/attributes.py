@@ -15,9 +15,10 @@ from numpy.typing import NDArray
 
 from d3a.colours import (
     BASIC,
-    HISTOGRAM_SIZE,
     LEAST_ODDS,
     Palette,
+    carries_histogram,
+    histograms,
     is_colour,
     judge,
     words_of,
@@ -157,7 +158,8 @@ def _colour(
     rows = [i for i, c in enumerate(found) if _has_histogram(c)]
     if not rows:
         return None
-    matrix = np.stack([cast("NDArray[np.float32]", found[i].record.embedding) for i in rows])
+    looks = np.stack([cast("NDArray[np.float32]", found[i].record.embedding) for i in rows])
+    matrix = histograms(looks)
     views = np.array([found[i].record.weight for i in rows], dtype=np.float64)
     verdict = judge(colours, matrix, palette(), views)
     probability = np.full(len(found), UNKNOWN)
@@ -168,8 +170,10 @@ def _colour(
 
 
 def _has_histogram(candidate: Candidate) -> bool:
-    embedding = candidate.record.embedding
-    return embedding is not None and len(embedding) == HISTOGRAM_SIZE and bool(embedding.any())
+    model, embedding = candidate.record.embedding_model, candidate.record.embedding
+    if embedding is None or not carries_histogram(model, len(embedding)):
+        return False
+    return bool(histograms(embedding[None]).any())
 
 
 def _size(

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import Any
 
-from d3a.colours import HISTOGRAM_SIZE, Palette
+from d3a.colours import HISTOGRAM_SIZE, Palette, histograms
 from d3a.match import Lexicon
 from d3a.moments import in_slice, joined
 from d3a.parameters import DEFAULT, PROFILES, Parameters
@@ -256,9 +256,10 @@ class Facts:
         """Return what the boxes of the whole store hold together, for colours."""
         if self._known.palette is None:
             _, matrix = self.store.embeddings(PALETTE_OBJECTS)
-            usable = matrix.shape[1:] == (HISTOGRAM_SIZE,)
+            # It is asked for where an object has a histogram; a store holds looks of one kind.
+            usable = matrix.shape[1] >= HISTOGRAM_SIZE
             self._known.palette = Palette.of(
-                matrix if usable else matrix[:0].reshape(0, HISTOGRAM_SIZE)
+                histograms(matrix) if usable else matrix[:0].reshape(0, HISTOGRAM_SIZE)
             )
         return self._known.palette
 

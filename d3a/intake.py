@@ -187,19 +187,22 @@ def check_known(intake: Intake, classes: Sequence[str]) -> None:
         raise BadInput(f"the detector has no category {word!r} to ignore.{hint}")
 
 
-def agree(intake: Intake, store: Store, key: str) -> None:
-    """Note how a recording is taken in; BadInput where a part of it was taken in otherwise."""
+def agree(intake: Intake, store: Store, key: str, detector: str = "") -> None:
+    """Note how a recording is taken in; BadInput where a part of it was taken in otherwise.
+
+    detector: what made its boxes, "" for those that came with it.
+    """
     noted = store.meta(META) or {}
     was = noted.get(key, EVERYTHING.to_json())
-    now = intake.to_json()
+    now = intake.to_json() | ({"detector": detector} if detector else {})
     if was == now:
         return
     known = next((record for record in store.recordings() if record.key == key), None)
     if known is not None:
         differing = ", ".join(
-            f"{name} {_said(was.get(name))}, not {_said(now[name])}"
-            for name in now
-            if was.get(name) != now[name]
+            f"{name} {_said(was.get(name))}, not {_said(now.get(name))}"
+            for name in {**now, **was}
+            if was.get(name) != now.get(name)
         )
         raise BadInput(
             f"the recording {known.name!r} was taken in with {differing}: say the same again, or "

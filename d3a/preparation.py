@@ -5,13 +5,14 @@ Paper: "Pre-processing each frame". What is broken is counted and left out, the 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from time import perf_counter
 
 from d3a import images
-from d3a.detectors.base import Detector
+from d3a.detectors.base import BatchDetector, Detector
+from d3a.embedders.base import Embedder, checked
 from d3a.geometry import Metres, clip_box, locate
 from d3a.images import Pixels
 from d3a.intake import EVERYTHING, THING_OFF_LIMITS, Intake
@@ -21,8 +22,9 @@ from d3a.readers.base import Skipped
 from d3a.sightings import FrameRef, Scene
 from d3a.store.limits import MAX_XY_M, MAX_Z_M
 
-STAGES = ("decode", "embed", "tiers", "store")
+STAGES = ("decode", "detect", "embed", "tiers", "store")
 BROKEN_PICTURE = "broken picture"
+NO_PICTURE = "no picture for the detector to look at"
 BROKEN_DEPTH = "broken depth picture"
 TOO_FAR = "position outside of the map's limits, which is then not used"
 OTHER_CAMERA = "picture of another size than the camera's, which is then not used"
@@ -52,11 +54,41 @@ class Stopwatch:
 
 
 @dataclass(frozen=True, slots=True)
+class Replaces:
+    """What of a recording is not used: its boxes, or its embeddings."""
+
+    boxes: bool = False
+    embeddings: bool = False
+
+    def without(self, frame: Frame) -> Frame:
+        """Return the frame without what is not used."""
+        if self.boxes:
+            return replace(frame, detections=None)
+        if self.embeddings and frame.detections is not None:
+            plain = tuple(replace(each, embedding=None) for each in frame.detections)
+            return replace(frame, detections=plain)
+        return frame
+
+
+NOTHING = Replaces()
+
+
+@dataclass(frozen=True, slots=True)
 class LeftOut:
     """A detection that never reached the tiers, and why."""
 
     detection: Detection
     why: str
+
+
+@dataclass(frozen=True, slots=True)
+class _Seen:
+    """A frame as the detector gets it, with its pixels, depth, and whether its picture is sound."""
+
+    frame: Frame
+    pixels: Pixels | None
+    depth: Metres | None
+    has_picture: bool
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,7 +101,11 @@ class Prepared:
 
 
 class Preparation:
-    """Makes scenes of frames."""
+    """Makes scenes of frames.
+
+    embedder: of detections that have no embedding; None leaves them without. replaces: recorded
+    boxes and embeddings that are not wanted, as a detector or an embedder was asked for.
+    """
 
     def __init__(
         self,
@@ -78,35 +114,62 @@ class Preparation:
         *,
         recording: str,
         min_probability: float,
-        computes_embeddings: bool,
+        embedder: Embedder | None,
         stopwatch: Stopwatch,
         intake: Intake = EVERYTHING,
+        replaces: Replaces = NOTHING,
     ) -> None:
         self._detector = detector
         self._parameters = parameters
         self._recording = recording
         self._min_probability = min_probability
-        self._computes_embeddings = computes_embeddings
+        self._embedder = embedder
+        self._replaces = replaces
         self._stopwatch = stopwatch
         self._intake = intake
 
     def prepare(self, frame: Frame, skipped: Skipped) -> Prepared:
         """Return the frame's scene; what is broken in it is added to `skipped`."""
-        frame = _within_the_map(frame, skipped)
+        return self.prepare_all([frame], [skipped])[0]
+
+    def prepare_all(self, frames: Sequence[Frame], skipped: Sequence[Skipped]) -> list[Prepared]:
+        """Return the scenes of frames that are looked at together; skipped: of each its own."""
         with self._stopwatch.stage("decode"):
-            pixels, has_picture = self._picture(frame, skipped)
-            frame = _with_its_camera(frame, pixels, skipped)
-            depth = self._depth(frame, pixels, skipped)
+            each_seen = [self._seen(*pair) for pair in zip(frames, skipped, strict=True)]
+        with self._stopwatch.stage("detect"):
+            found = self._detected(each_seen)
+        return [
+            self._prepared(seen, detections, counted)
+            for seen, detections, counted in zip(each_seen, found, skipped, strict=True)
+        ]
+
+    def _seen(self, frame: Frame, skipped: Skipped) -> _Seen:
+        frame = self._replaces.without(_within_the_map(frame, skipped))
+        pixels, has_picture = self._picture(frame, skipped)
+        frame = _with_its_camera(frame, pixels, skipped)
+        return _Seen(frame, pixels, self._depth(frame, pixels, skipped), has_picture)
+
+    def _detected(self, each_seen: Sequence[_Seen]) -> list[tuple[Detection, ...]]:
+        detector = self._detector
+        if isinstance(detector, BatchDetector):
+            return detector.detect_all(
+                [seen.frame for seen in each_seen], [seen.pixels for seen in each_seen]
+            )
+        return [detector.detect(seen.frame, seen.pixels) for seen in each_seen]
+
+    def _prepared(
+        self, seen: _Seen, detections: tuple[Detection, ...], skipped: Skipped
+    ) -> Prepared:
+        frame, pixels, depth = seen.frame, seen.pixels, seen.depth
         with self._stopwatch.stage("embed"):
-            detections = self._detector.detect(frame, pixels)
             detections = tuple(_near(d, frame.name, skipped) for d in detections)
             kept, left_out = self._usable(frame, detections, pixels, skipped)
-            if self._computes_embeddings and pixels is not None:
-                kept = [_embedded(d, pixels) for d in kept]
+            if self._embedder is not None and pixels is not None:
+                kept = _embedded(self._embedder, kept, pixels)
             kept = [locate(d, frame.pose, frame.camera, depth, self._parameters) for d in kept]
             kept, off_limits = self._allowed(frame, kept, skipped)
             left_out += off_limits
-        picture = frame.image if has_picture else None
+        picture = frame.image if seen.has_picture else None
         if picture is not None:
             picture = self._keepable(frame, picture, pixels, depth, left_out)
         viewer = None
@@ -120,6 +183,8 @@ class Preparation:
     def _picture(self, frame: Frame, skipped: Skipped) -> tuple[Pixels | None, bool]:
         """Return the pixels where anything needs them, and whether there is a sound picture."""
         if frame.image is None:
+            if self._replaces.boxes:
+                skipped.add(NO_PICTURE, frame.name)
             return None, False
         try:
             if self._needs_pixels(frame):
@@ -133,7 +198,7 @@ class Preparation:
     def _needs_pixels(self, frame: Frame) -> bool:
         if frame.detections is None or frame.camera is None:
             return True  # a detector has to look; or only the picture knows its size
-        return self._computes_embeddings and any(d.embedding is None for d in frame.detections)
+        return self._embedder is not None and any(d.embedding is None for d in frame.detections)
 
     def _depth(self, frame: Frame, pixels: Pixels | None, skipped: Skipped) -> Metres | None:
         if frame.depth is None:
@@ -249,7 +314,14 @@ def _with_its_camera(frame: Frame, pixels: Pixels | None, skipped: Skipped) -> F
     return replace(frame, camera=None)
 
 
-def _embedded(detection: Detection, pixels: Pixels) -> Detection:
-    if detection.embedding is not None:
-        return detection
-    return replace(detection, embedding=images.histogram(images.crop(pixels, detection.box)))
+def _embedded(embedder: Embedder, found: list[Detection], pixels: Pixels) -> list[Detection]:
+    """Return the detections, each with an embedding of unit length; those that have one keep it."""
+    bare = [number for number, each in enumerate(found) if each.embedding is None]
+    if not bare:
+        return found
+    crops = [images.crop(pixels, found[number].box) for number in bare]
+    vectors = images.unit(checked(embedder, embedder.embed(crops), len(crops)))
+    whole = list(found)
+    for number, vector in zip(bare, vectors, strict=True):
+        whole[number] = replace(found[number], embedding=vector)
+    return whole

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from assistant.config import Settings
+from assistant.detecting import Looking, detector_options
 from assistant.exits import ExitCode
 from assistant.intake_report import SCHEMA, progress, summary_json, summary_lines
 from assistant.options import (
@@ -25,6 +26,8 @@ from assistant.options import (
 from assistant.terminal import clean, json_line, speaks_unicode
 
 if TYPE_CHECKING:
+    from d3a.detectors.base import Detector
+    from d3a.embedders.base import Embedder
     from d3a.ingest import IngestSummary
     from d3a.intake import Intake
     from d3a.parameters import Parameters
@@ -44,6 +47,7 @@ class Wishes:
     off_limits: tuple[str, ...] = ()
     max_frames: int | None = None
     assignments: Path | None = None
+    looking: Looking = field(default_factory=Looking)
 
 
 @click.command("ingest")
@@ -78,6 +82,7 @@ class Wishes:
     metavar="REGION",
     help='Never store what is in this region, or polygon "x,y x,y x,y" in metres. Repeatable.',
 )
+@detector_options
 @click.option(
     "--assignments",
     type=click.Path(dir_okay=False, path_type=Path),
@@ -113,10 +118,13 @@ def command(
         parameters = parameters.with_changes(min_probability=min_probability)
     with failures():
         options = key_values((*reader_options, *(f"topic.{topic}" for topic in topics)))
-    wishes = Wishes(options=options, **wished)
+    looking = Looking.taken_from(wished)
+    wishes = Wishes(options=options, looking=looking, **wished)
     if wishes.assignments is not None and len(sources) > 1:
         raise click.BadParameter("--assignments is of one recording; ingest them one by one")
     run = _Run(settings, parameters, wishes, as_json=as_json)
+    with failures():
+        run.open_lookers()
     run.open(sources)
     run.ingest()
     context.exit(ExitCode.USAGE if run.failed else ExitCode.OK)
@@ -134,7 +142,18 @@ class _Run:
         self._as_json = as_json
         self._readers: list[tuple[Path, Reader]] = []
         self._several = False
+        self._detector: Detector | None = None
+        self._embedder: Embedder | None = None
         self.failed: list[dict[str, str]] = []
+
+    def open_lookers(self) -> None:
+        """Open the detector and the embedder, and say what they are."""
+        self._detector = self._wishes.looking.open_detector()
+        self._embedder = self._wishes.looking.open_embedder()
+        if not self._settings.quiet:
+            for kind, found in (("detector", self._detector), ("embedder", self._embedder)):
+                if found is not None:
+                    click.echo(clean(f"{kind}: {found}"), err=True)
 
     def open(self, sources: Sequence[Path]) -> None:
         """Open what can be read, in order of site and time; a Failure where nothing can."""
@@ -206,6 +225,8 @@ class _Run:
                 reader,
                 store,
                 self._parameters,
+                detector=self._detector,
+                embedder=self._embedder,
                 on_progress=on_progress,
                 max_frames=wishes.max_frames,
                 assignments=wishes.assignments,

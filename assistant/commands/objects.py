@@ -65,15 +65,19 @@ def colour_words(store: Store, things: Sequence[ObjectRecord]) -> dict[str, list
     """
     import numpy as np
 
-    from d3a.colours import BASIC, HISTOGRAM_SIZE, Palette, judge
+    from d3a.colours import BASIC, Palette, carries_histogram, histograms, judge
 
     _, everything = store.embeddings()
-    seen = [t for t in things if t.embedding is not None and len(t.embedding) == HISTOGRAM_SIZE]
-    if not seen or everything.shape[1] != HISTOGRAM_SIZE:
+    seen = [
+        t
+        for t in things
+        if t.embedding is not None and carries_histogram(t.embedding_model, len(t.embedding))
+    ]
+    if not seen:
         return {}
-    palette = Palette.of(everything)
-    histograms = np.stack([t.embedding for t in seen if t.embedding is not None])
-    verdicts = [judge([term], histograms, palette) for term in BASIC]
+    palette = Palette.of(histograms(everything))
+    looks = histograms(np.stack([t.embedding for t in seen if t.embedding is not None]))
+    verdicts = [judge([term], looks, palette) for term in BASIC]
     probability = np.stack([verdict.probability for verdict in verdicts], axis=1)
     tenable = np.stack([verdict.tenable for verdict in verdicts], axis=1)
     order = np.argsort(-probability, axis=1, kind="stable")[:, :2]

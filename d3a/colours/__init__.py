@@ -1,6 +1,7 @@
 """Colour words scored against colour histograms at query time (DESIGN, decision 5)."""
 
-from d3a.colours.judge import HISTOGRAM_SIZE, LEAST_ODDS, Palette, Verdict, judge
+from d3a.colours.judge import LEAST_ODDS, Palette, Verdict, judge
+from d3a.colours.looks import HISTOGRAM_SIZE, carries_histogram, histograms
 from d3a.colours.names import BASIC, colours_of, is_colour, words_of
 
 __all__ = [
@@ -9,7 +10,9 @@ __all__ = [
     "LEAST_ODDS",
     "Palette",
     "Verdict",
+    "carries_histogram",
     "colours_of",
+    "histograms",
     "is_colour",
     "judge",
     "words_of",

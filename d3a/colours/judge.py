@@ -19,6 +19,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from d3a.colours.looks import HISTOGRAM_SIZE
 from d3a.colours.names import (
     BASIC,
     LUMINANCE,
@@ -30,8 +31,6 @@ from d3a.colours.names import (
     rest_of,
 )
 
-HISTOGRAM_SIZE = 512
-"""8 x 8 x 8 bins of red, green, blue; the red is the slowest (see d3a.images)."""
 _BINS = 8
 _FILL = 0.6
 """Share of a box that its object covers: between a disc (0.79) and a thing with a handle."""

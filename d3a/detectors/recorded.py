@@ -13,6 +13,7 @@ class RecordedDetector:
     """Gives each frame's own detections back."""
 
     classes: tuple[str, ...] = ()
+    identity: str = ""
 
     def detect(self, frame: Frame, pixels: Pixels | None) -> tuple[Detection, ...]:
         """Return the recorded detections; BadInput for a recording that no detector has seen."""

@@ -30,16 +30,18 @@ DETECTIONS = {
 }
 
 
-def key_values(pairs: Iterable[str]) -> dict[str, str]:
+def key_values(
+    pairs: Iterable[str], whose: str = "reader", example: str = "name=lab"
+) -> dict[str, str]:
     """Return the options of KEY=VALUE texts; BadInput for another text, or a key given twice."""
     options: dict[str, str] = {}
     for pair in pairs:
         key, equals, value = pair.partition("=")
         key = key.strip().lower().replace("_", "-")
         if not equals or not key or not value.strip():
-            raise BadInput(f"{pair!r} is no reader option: KEY=VALUE would do, as in name=lab")
+            raise BadInput(f"{pair!r} is no {whose} option: KEY=VALUE would do, as in {example}")
         if key in options:
-            raise BadInput(f"the reader option {key!r} is given twice")
+            raise BadInput(f"the {whose} option {key!r} is given twice")
         options[key] = value.strip()
     return options
 
@@ -58,11 +60,12 @@ class Options:
         known: Mapping[str, str] | None = None,
         zone: str | None = None,
         reader: str = "this reader",
+        common: Mapping[str, str] = COMMON,
     ) -> None:
         self.folder = source if source.is_dir() else source.parent
         self.zone = parsing.zone_of(zone)
         self._given = dict(given or {})
-        self._known = {**COMMON, **(known or {})}
+        self._known = {**common, **(known or {})}
         for name in self._given:
             if name not in self._known and name.split(".")[0] + "." not in self._known:
                 raise BadInput(self._unknown(name, reader))

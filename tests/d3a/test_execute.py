@@ -412,7 +412,7 @@ def test_one_look_must_be_nearly_sure() -> None:
     between = painted((210.0, 60.0, 36.0), rng)  # as much a red as an orange
     clear = painted(PAINTS["orange"], rng)
     palette = Palette.of(np.stack([between, clear, painted(PAINTS["green"], rng)]))
-    often = ObjectRecord("often", "cup", 1.0, 0, 0, embedding=between)
+    often = ObjectRecord("often", "cup", 1.0, 0, 0, embedding=between, embedding_model="rgb-8x8x8")
     once = replace(often, object_id="once", tentative=True)
     found = [Candidate(often, 1.0), Candidate(once, 1.0)]
     found.append(Candidate(replace(once, object_id="clear", embedding=clear), 1.0))

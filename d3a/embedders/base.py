@@ -1,0 +1,86 @@
+"""What an embedder is, and the colour histogram, which is the one that needs no model."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from d3a import images
+from d3a.colours.looks import CARRIED, HISTOGRAM_MODEL, HISTOGRAM_SIZE
+from d3a.images import Pixels
+from d3a.model import BadInput
+
+Floats = NDArray[np.float32]
+CARRIED_LENGTH = 0.01
+"""The length of a carried histogram: it adds 0.0001 to a cosine at most, and keeps its digits."""
+
+
+class Embedder(Protocol):
+    """Turns crops into vectors whose cosine says how alike two things look."""
+
+    @property
+    def name(self) -> str:
+        """What tells its vectors from those of any other: a store holds one kind only."""
+        ...
+
+    def embed(self, crops: Sequence[Pixels]) -> Floats:
+        """Return a row (n, d) for each crop (h, w, 3) RGB; d is always the same."""
+        ...
+
+
+class HistogramEmbedder:
+    """The paper's colour histogram, by which colour words are judged too."""
+
+    name = HISTOGRAM_MODEL
+
+    def __str__(self) -> str:
+        return self.name
+
+    def embed(self, crops: Sequence[Pixels]) -> Floats:
+        """Return the histograms (n, 512), unit length."""
+        return np.array([images.histogram(each) for each in crops], dtype=np.float32).reshape(
+            len(crops), HISTOGRAM_SIZE
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class WithColours:
+    """Another embedder's vectors, which carry the histogram along so that colours can be told.
+
+    Looks are compared by the embedder alone: what is carried is too short to count. Means of such
+    vectors carry the mean histogram.
+    """
+
+    inner: Embedder
+
+    @property
+    def name(self) -> str:
+        """The embedder's name, and what its vectors carry."""
+        return self.inner.name + CARRIED
+
+    def __str__(self) -> str:
+        return str(self.inner)
+
+    def embed(self, crops: Sequence[Pixels]) -> Floats:
+        """Return (n, d + 512), unit length: the embedder's, then the histogram."""
+        vectors = images.unit(checked(self.inner, self.inner.embed(crops), len(crops)))
+        share = np.float32(CARRIED_LENGTH)
+        colours = HistogramEmbedder().embed(crops)
+        return np.concatenate([vectors * np.sqrt(1 - share**2), colours * share], axis=1)
+
+
+def checked(embedder: Embedder, vectors: Floats, count: int) -> Floats:
+    """Return what an embedder gave, as (n, d) of float32; BadInput where it is no such thing."""
+    rows = np.asarray(vectors, dtype=np.float32)
+    if rows.ndim != 2 or len(rows) != count or rows.shape[1] == 0:
+        raise BadInput(
+            f"the embedder {embedder.name!r} gave {' x '.join(map(str, rows.shape))} numbers for "
+            f"{count} pictures; a row of at least one for each would do"
+        )
+    if not np.isfinite(rows).all():
+        raise BadInput(f"the embedder {embedder.name!r} gave numbers that are not finite")
+    return rows
