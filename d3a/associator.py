@@ -42,6 +42,13 @@ from d3a.tier3 import Stored
 from d3a.tracker import TrackerPipeline
 
 
+class ForgottenMeanwhile(StoreError):  # noqa: N818
+    """Something was forgotten while an ingest ran, which remembers it still: it is to begin anew.
+
+    Run again it goes on from its last checkpoint, without what was forgotten.
+    """
+
+
 class Pipeline(Protocol):
     """The three tiers of a profile, over a ledger."""
 
@@ -250,7 +257,7 @@ class Associator:
         known = self._corrections
         while True:
             if self._store.meta(FORGOTTEN) != self._forgotten:
-                raise StoreError(
+                raise ForgottenMeanwhile(
                     f"{self._store.uri}: something was forgotten while this ingest ran; run it "
                     "again, and it goes on from its last checkpoint without that"
                 )

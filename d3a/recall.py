@@ -167,7 +167,7 @@ class Recall:
                 low_x, low_y = cell[0] * CELL_M, cell[1] * CELL_M
                 area = Area(low_x, low_y, low_x + CELL_M, low_y + CELL_M)
                 found = self._ledger.stays(area=area)
-            ids |= {stay.object_id for stay in found}
+            ids |= {stay.object_id for stay in found if stay.site == self._stored.site}
             self._complete.add(cell)
         known = {thing.object_id for thing in self._memory.things.values()}
         if ids - known:
@@ -197,6 +197,8 @@ class Recall:
             for sighting in self._ledger.sightings(ids, now_ms - gap_ms, now_ms)
         }
         for record in self._ledger.objects(ids=ids):
+            if record.site != self._stored.site:  # a map of its own: its places are not these
+                continue
             thing = self._known(record)
             for stay in stays.get(record.object_id, []):
                 thing.places.append(self._place(thing, stay, open_of.get(stay.key)))

@@ -107,6 +107,7 @@ class DatabaseFilter:
             record.object_id: record
             for record in self._ledger.objects(categories=[entry.category])
             if not record.volatile
+            and record.site == self._stored.site
             and cosine(record.embedding, look) >= self._parameters.min_similarity
         }
         if known_id is not None:
@@ -123,7 +124,8 @@ class DatabaseFilter:
         near = {
             stay.object_id
             for stay in self._ledger.stays(object_ids=ids)
-            if apart_m(position_of(stay), position) <= self._parameters.d_thresh_m
+            if stay.site == self._stored.site
+            and apart_m(position_of(stay), position) <= self._parameters.d_thresh_m
         }
         told = {r.object_id: r for r in self._ledger.objects(ids=sorted(near)) if not r.volatile}
         return dict(sorted((records | told).items()))

@@ -80,6 +80,17 @@ class Reader(Protocol):
         ...
 
 
+class Follower(Protocol):
+    """A reader of a recording that grows: it yields None while there is nothing new."""
+
+    facts: RecordingFacts
+    skipped: Skipped
+
+    def __iter__(self) -> Iterator[Frame | None]:
+        """Yield frames in time order, as they come."""
+        ...
+
+
 @dataclass(frozen=True, slots=True)
 class Stream:
     """One part of a recording as it lies there: a table, a folder of pictures, or a topic.

@@ -1,0 +1,81 @@
+"""Two homes in one store: what was seen in one is never taken for a thing of the other."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from d3a.ingest import ingest
+from d3a.model import Frame
+from d3a.parameters import PROFILES
+from d3a.readers.base import RecordingFacts
+from tests.worlds.oracle import OracleStore
+from tests.worlds.rounds import ListReader, Thing, circle, rounds
+
+LATER_MS = 3_600_000
+
+
+def later(frames: list[Frame], ms: int) -> list[Frame]:
+    return [replace(f, name=f"{ms}-{f.name}", time_ms=f.time_ms + ms) for f in frames]
+
+
+def at(site: str, name: str) -> RecordingFacts:
+    return RecordingFacts(name, site=site, zone="UTC")
+
+
+def things() -> list[Thing]:
+    places = circle(1.5, 4)
+    return [Thing(name, places[n], n) for n, name in enumerate(("cup", "bowl", "book"))]
+
+
+@pytest.mark.parametrize("profile", ["default", "paper"])
+@pytest.mark.parametrize("capacity", [400, 2])
+@pytest.mark.parametrize("positions", [True, False], ids=["placed", "placeless"])
+def test_the_same_things_of_another_site_are_others(
+    profile: str, capacity: int, positions: bool
+) -> None:
+    parameters = PROFILES[profile].with_changes(stm_capacity=capacity, interval_gap_s=30.0)
+    frames = rounds(things(), 40)
+    if not positions:
+        frames = [
+            replace(
+                f,
+                detections=tuple(replace(d, position=None) for d in f.detections or ()),
+                pose=None,
+            )
+            for f in frames
+        ]
+    alone, store = OracleStore(), OracleStore()
+    ingest(ListReader(frames, at("home", "one")), alone, parameters)
+    for n, site in enumerate(("home", "office", "home", "office")):
+        reader = ListReader(later(frames, n * LATER_MS), at(site, f"{site}-{n}"))
+        ingest(reader, store, parameters)
+    by_site = {
+        site: {o.object_id for o in store.objects() if o.site == site}
+        for site in ("home", "office")
+    }
+    sites = {o.object_id: o.site for o in store.objects()}
+    assert all(sites[stay.object_id] == stay.site for stay in store.stays())
+    assert by_site["home"]
+    assert by_site["office"]
+    assert not by_site["home"] & by_site["office"]
+    # each object's sightings are within the recordings of its site
+    for sighting in store.sightings():
+        recording = (sighting.start_ms - frames[0].time_ms) // LATER_MS
+        assert sites[sighting.object_id] == ("home", "office")[recording % 2]
+    if positions:  # and the second visit finds what the first saw
+        assert len(by_site["home"]) == len(alone.objects())
+        assert len(by_site["office"]) == len(by_site["home"])
+    assert store.check() == []
+
+
+@pytest.mark.parametrize("profile", ["default", "paper"])
+def test_one_site_is_remembered_as_if_there_were_no_other(profile: str) -> None:
+    parameters = PROFILES[profile].with_changes(stm_capacity=2, interval_gap_s=30.0)
+    frames = rounds(things(), 40)
+    store = OracleStore()
+    ingest(ListReader(frames, at("", "unsaid")), store, parameters)
+    ingest(ListReader(later(frames, LATER_MS), at("lab", "said")), store, parameters)
+    # a recording that does not say its site is of none that is said
+    assert {o.site for o in store.objects()} == {"", "lab"}
