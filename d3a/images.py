@@ -20,6 +20,19 @@ Pixels = NDArray[np.uint8]
 MILLIMETRES = 1000.0
 MAX_SIDE, MAX_PIXELS = 1 << 16, 1 << 27
 """A larger picture is refused before it is decoded: it would fill the memory."""
+YUV = {
+    "yuv422": cv2.COLOR_YUV2RGB_UYVY,
+    "uyvy": cv2.COLOR_YUV2RGB_UYVY,
+    "yuv422_yuy2": cv2.COLOR_YUV2RGB_YUY2,
+    "yuyv": cv2.COLOR_YUV2RGB_YUY2,
+}
+"""Ways of packing brightness and colour into two bytes a pixel, as ROS calls them."""
+_BAYER = {
+    "rggb": cv2.COLOR_BayerRGGB2RGB,
+    "bggr": cv2.COLOR_BayerBGGR2RGB,
+    "gbrg": cv2.COLOR_BayerGBRG2RGB,
+    "grbg": cv2.COLOR_BayerGRBG2RGB,
+}
 _MARKER = re.compile(rb"\xff[^\x00\xff\xd0-\xd7]")  # a JPEG marker but for stuffing and restarts
 _END, _SCAN = 0xD9, 0xDA
 
@@ -75,6 +88,24 @@ def decode_grey(content: bytes) -> tuple[Pixels, Pixels | None]:
     return grey, np.asarray(raw[:, :, 3], np.uint8) if raw.shape[2] == 4 else None
 
 
+def from_bayer(raw: Pixels, pattern: str) -> Pixels:
+    """Return the pixels (h, w, 3), RGB, of a sensor's values (h, w).
+
+    pattern: the colours of the upper left four, row by row, as in `rggb`. Raises BadInput for one
+    that is not known, or a picture below 2 x 2.
+    """
+    if pattern not in _BAYER or min(raw.shape) < 2:
+        raise BadInput(f"a picture of {raw.shape[1]} x {raw.shape[0]} cannot be {pattern[:20]!r}")
+    return np.asarray(cv2.cvtColor(np.ascontiguousarray(raw), _BAYER[pattern]), np.uint8)
+
+
+def from_yuv(packed: Pixels, way: str) -> Pixels:
+    """Return the pixels (h, w, 3), RGB, of two bytes a pixel (h, w, 2); way: a key of YUV."""
+    if packed.shape[1] % 2:
+        raise BadInput(f"a picture {packed.shape[1]} wide cannot share colours between two pixels")
+    return np.asarray(cv2.cvtColor(np.ascontiguousarray(packed), YUV[way]), np.uint8)
+
+
 def _content(source: Path | bytes) -> bytes:
     if isinstance(source, bytes):
         content = source
@@ -90,7 +121,7 @@ def _content(source: Path | bytes) -> bytes:
 
 def _decoded(content: bytes, flags: int) -> NDArray[Any] | None:
     """Return what OpenCV makes of the bytes, None where it makes nothing."""
-    _refuse_huge(_written_size(content))
+    refuse_huge(_written_size(content))
     try:
         return cv2.imdecode(np.frombuffer(content, np.uint8), flags)
     except cv2.error as error:  # sizes beyond its limits
@@ -105,13 +136,14 @@ def size(image: Image) -> tuple[int, int]:
     is_turned = b"Exif\0\0" in content[:4096]  # it may be: then the header has it the other way
     written = None if is_turned or is_cut(content) else _written_size(content)
     if written is not None:
-        _refuse_huge(written)
+        refuse_huge(written)
         return written
     pixels = decode(content)
     return pixels.shape[1], pixels.shape[0]
 
 
-def _refuse_huge(written: tuple[int, int] | None) -> None:
+def refuse_huge(written: tuple[int, int] | None) -> None:
+    """Raise BadInput for a size that would fill the memory."""
     if written is not None and (max(written) > MAX_SIDE or written[0] * written[1] > MAX_PIXELS):
         raise BadInput(f"the picture is too large to decode: {written[0]} x {written[1]} pixels")
 
