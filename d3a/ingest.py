@@ -14,11 +14,12 @@ from d3a.associator import Associator, check_filled_alike
 from d3a.batches import Ready, one_by_one
 from d3a.detectors.base import Detector
 from d3a.detectors.recorded import RecordedDetector
+from d3a.embedders.base import Embedder, HistogramEmbedder
 from d3a.images import HISTOGRAM_MODEL
 from d3a.intake import EVERYTHING, Intake, agree, check_known, placed
 from d3a.model import BadInput, Frame
 from d3a.parameters import Parameters
-from d3a.preparation import Preparation, Stopwatch
+from d3a.preparation import Preparation, Replaces, Stopwatch
 from d3a.readers.base import Follower, Reader, RecordingFacts, Skipped
 from d3a.retention import retain
 from d3a.sieve import Sieve, Sifted
@@ -53,8 +54,8 @@ class IngestSummary:
     """What an ingest did.
 
     frames, detections: taken in by this run. objects, places: in the store now. seconds: by stage
-    (decode, embed, tiers, store). already: the store had all of it. already_frames: how many
-    frames it had before. forgotten: intervals that the store's retention took afterwards.
+    (decode, detect, embed, tiers, store). already: the store had all of it. already_frames: how
+    many frames it had before. forgotten: intervals that the store's retention took afterwards.
     """
 
     frames: int
@@ -74,6 +75,7 @@ def ingest(
     parameters: Parameters,
     *,
     detector: Detector | None = None,
+    embedder: Embedder | None = None,
     on_progress: Progress | None = None,
     max_frames: int | None = None,
     assignments: Path | None = None,
@@ -82,14 +84,16 @@ def ingest(
 ) -> IngestSummary:
     """Put a recording into the store; run again, it goes on where it was or changes nothing.
 
-    detector: None takes the recorded boxes. max_frames: stop after so many new frames, with the
-    recording left open. assignments: a file to tell what became of each detection, a JSON object a
-    line. intake: what of it goes in; a recording that was taken in otherwise before is refused.
+    detector: its boxes replace the recorded ones; None takes those. embedder: likewise for
+    embeddings; None takes those, and the colour histogram where there are none. max_frames: stop
+    after so many new frames, with the recording left open. assignments: a file to tell what became
+    of each detection, a JSON object a line. intake: what of it goes in; a recording that was taken
+    in otherwise before is refused.
     live: for a reader that follows a recording as it grows.
     Raises BadInput for a recording without frames or detections, StoreError where the store fails
     or was filled with other parameters.
     """
-    run = _Run(reader, store, parameters, detector, intake, live)
+    run = _Run(reader, store, parameters, detector, embedder, intake, live)
     return run.go(on_progress, max_frames, assignments)
 
 
@@ -102,6 +106,7 @@ class _Run:
         store: Store,
         parameters: Parameters,
         detector: Detector | None,
+        embedder: Embedder | None,
         intake: Intake,
         live: Live,
     ) -> None:
@@ -115,7 +120,14 @@ class _Run:
         self._detector = detector or RecordedDetector(facts.classes)
         self._intake = placed(intake, _regions(facts, store))
         check_known(self._intake, self._detector.classes)
-        self._model = facts.embedding_model or HISTOGRAM_MODEL
+        recorded = None if self._has_detector else facts.embedding_model
+        if embedder is None and recorded in (None, HISTOGRAM_MODEL):
+            embedder = HistogramEmbedder()
+        self._embedder = embedder
+        self._model = embedder.name if embedder is not None else str(recorded)
+        self._replaces = Replaces(
+            boxes=self._has_detector, embeddings=recorded not in (None, self._model)
+        )
         self._frames = 0
         self._detections = 0
         self._total = facts.frames
@@ -153,12 +165,12 @@ class _Run:
             raise BadInput(f"the recording {facts.name!r} has no frame to read")
         self._check_seen(first)
         key = f"{facts.name}|{first.name}|{first.time_ms}"
-        agree(self._intake, self._store, key)
+        agree(self._intake, self._store, key, self._detector.identity)
         facts = replace(
             facts,
             name=_name_of_its_own(facts.name, key, self._store),
             # What is not stored is not known, rather than never seen.
-            classes=tuple(name for name in facts.classes if not self._intake.ignores(name)),
+            classes=tuple(n for n in self._detector.classes if not self._intake.ignores(n)),
         )
         self._preparation = self._prepared_for(facts)
         associator = Associator(self._store, self._parameters, facts, key, self._model)
@@ -220,13 +232,16 @@ class _Run:
             )
 
     def _prepared_for(self, facts: RecordingFacts) -> Preparation:
+        # What the recording says of weak boxes is of those that came with it.
+        usual = 0.0 if self._has_detector else facts.min_probability
         least = self._parameters.min_probability
         return Preparation(
             self._detector,
             self._parameters,
             recording=facts.name,
-            min_probability=facts.min_probability if least is None else least,
-            computes_embeddings=self._model == HISTOGRAM_MODEL,
+            min_probability=usual if least is None else least,
+            embedder=self._embedder,
+            replaces=self._replaces,
             stopwatch=self._stopwatch,
             intake=self._intake,
         )
