@@ -27,7 +27,7 @@ from assistant.taught import (
 )
 from assistant.wording import place_words
 from d3a import teaching as store_teaching
-from d3a.answer import RankedKeyframe
+from d3a.answer import RankedKeyframe, is_by_look
 from d3a.constraints import Correction
 from d3a.model import BadInput, Box
 from d3a.store.base import Store
@@ -245,7 +245,8 @@ def _same(store: Store, said: Sameness, scene: Scene, now: datetime) -> Learned:
         return _no_row(said.other, scene)
     if one.object_id == other.object_id:
         return Learned(f"I take {_pair(one, other)} for one {kind_of(one)} already.")
-    kept, gone = sorted((one, other), key=lambda row: row.rank)
+    # the id of what a detector knows is kept: later recordings see it again
+    kept, gone = sorted((one, other), key=lambda row: (is_by_look(row.object_id), row.rank))
     try:
         store_teaching.merge(store, kept.object_id, gone.object_id, force=said.sure, at_ms=_ms(now))
     except BadInput as error:
@@ -256,7 +257,7 @@ def _same(store: Store, said: Sameness, scene: Scene, now: datetime) -> Learned:
             raise
         both = "One picture shows both, so I take them for two."
         return Learned(both, done=False, choices=(sure,))
-    return Learned(f"I will take {_pair(kept, gone)} for one {kind_of(kept)}; {BACK}.")
+    return Learned(f"I will take {_pair(one, other)} for one {kind_of(kept)}; {BACK}.")
 
 
 def _which_other(one: RankedKeyframe, others: Sequence[RankedKeyframe]) -> Learned:
@@ -345,7 +346,8 @@ def row_name(row: RankedKeyframe) -> str:
     return f"the {kind_of(row)} ({place_words(row)})"
 
 
-def _pair(one: RankedKeyframe, other: RankedKeyframe) -> str:
+def _pair(*rows: RankedKeyframe) -> str:
+    one, other = sorted(rows, key=lambda row: row.rank)
     return f"number {one.rank} and number {other.rank}"
 
 

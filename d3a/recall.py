@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from d3a import likelihood
+from d3a.answer import is_by_look
 from d3a.ledger import Ledger
 from d3a.memory import Known, Memory, Place
 from d3a.model import Json
@@ -198,6 +199,8 @@ class Recall:
         }
         for record in self._ledger.objects(ids=ids):
             if record.site != self._stored.site:  # a map of its own: its places are not these
+                continue
+            if is_by_look(record.object_id):  # no detector knows it, so no detection is of it
                 continue
             thing = self._known(record)
             for stay in stays.get(record.object_id, []):

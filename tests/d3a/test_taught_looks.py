@@ -11,7 +11,10 @@ from d3a import images, teaching
 from d3a.answer import is_by_look
 from d3a.constraints import HISTORY, SAID
 from d3a.corrections import UnknownThing
+from d3a.ingest import ingest
 from d3a.model import BadInput, Box, Json
+from d3a.parameters import PROFILES
+from d3a.readers.base import RecordingFacts
 from d3a.store.base import (
     Batch,
     Keyframe,
@@ -23,6 +26,7 @@ from d3a.store.base import (
 )
 from d3a.taught_looks import search, teach_look
 from tests.worlds.oracle import OracleStore
+from tests.worlds.rounds import ListReader, Thing, circle, rounds
 
 WIDTH, HEIGHT = 240, 160
 SIZE = 40
@@ -177,3 +181,25 @@ def test_damaged_pictures_are_left_out() -> None:
     assert [f.image for f in search(store, "p0", box_at((60, 50)))] == ["p0", "p3"]
     with pytest.raises(BadInput, match="damaged"):
         search(store, "p1", box_at((150, 90)))
+
+
+@pytest.mark.parametrize("profile", ["default", "paper"])
+def test_a_later_recording_keeps_it(profile: str) -> None:
+    """The thing stays what it was named, and nothing that is detected since becomes part of it."""
+    things = [Thing("cup", circle(1.5, 8)[0], 0, since=0, until=10**9)]
+    frames = rounds(things, 80, 3, noise_m=0.05, missed=0.1)
+    store = OracleStore()
+    ingest(ListReader(frames[:40]), store, PROFILES[profile])
+    jpeg = room(0, (60, 50), colours=GADGET)
+    store.apply(Batch(keyframes=[Keyframe("p0", jpeg, WIDTH, HEIGHT, frames[39].time_ms)]))
+    done = teach_look(store, "p0", box_at((60, 50)), "gadget", "me")
+    before = [r for r in store.dump() if r.get("object_id") == done.arguments["new"]]
+    second = RecordingFacts("second", zone="UTC")
+    ingest(ListReader(frames[40:], second), store, PROFILES[profile])
+    after = [r for r in store.dump() if r.get("object_id") == done.arguments["new"]]
+    assert len(before) == 3  # object, stay, sighting
+    assert after == before
+    assert store.check() == []
+    teaching.undo(store)
+    assert not [r for r in store.dump() if r.get("object_id") == done.arguments["new"]]
+    assert store.check() == []
