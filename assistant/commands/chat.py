@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 import click
 
 from assistant.options import now_of, opened, settings_of, settings_options
+from assistant.serving import PORT, serving_options
+from assistant.serving import serve as serve_chat
 from assistant.terminal import is_terminal, why_not_full_screen
 
 if TYPE_CHECKING:
@@ -19,16 +21,26 @@ if TYPE_CHECKING:
 
 @click.command("chat")
 @click.option("--plain", is_flag=True, help="A line at a time, for screen readers and pipes.")
+@serving_options
 @settings_options
 @click.pass_context
-def command(context: click.Context, plain: bool = False) -> None:
+def command(
+    context: click.Context,
+    plain: bool = False,
+    serve: bool = False,
+    port: int = PORT,
+    served: bool = False,
+) -> None:
     """Open the chat over the store: ask, look at the pictures, see the places.
 
     Without a terminal that can show it, the conversation is held a line at a time.
     """
     settings = settings_of(context)
     with opened(settings) as store:
-        hold(session_of(settings, store), settings, plain=plain)
+        if not serve:
+            hold(session_of(settings, store), settings, plain=plain, served=served)
+            return
+    serve_chat("chat", settings, port)  # the store was there; each page opens it anew
 
 
 def session_of(
@@ -58,9 +70,14 @@ def session_of(
     )
 
 
-def hold(session: Session, settings: Settings, *, plain: bool = False) -> None:
-    """Hold the conversation: full screen where the terminal can, else line by line."""
-    why_not = why_not_full_screen()
+def hold(
+    session: Session, settings: Settings, *, plain: bool = False, served: bool = False
+) -> None:
+    """Hold the conversation: full screen where the terminal can, else line by line.
+
+    served: a browser is the screen.
+    """
+    why_not = None if served else why_not_full_screen()
     if plain or why_not is not None:
         from assistant.plain import talk
 

@@ -9,15 +9,20 @@ import click
 
 from assistant.commands.chat import hold, session_of
 from assistant.options import failures, opened, settings_of, settings_options
+from assistant.serving import serve as serve_chat
+from assistant.serving import serving_options
 from assistant.terminal import clean_lines, is_terminal
 
 
 @click.command("demo")
 @click.option("--tour", is_flag=True, help="Ask five questions, print the answers, and leave.")
 @click.option("--plain", is_flag=True, help="Chat a line at a time.")
+@serving_options
 @settings_options
 @click.pass_context
-def command(context: click.Context, tour: bool, plain: bool) -> None:
+def command(
+    context: click.Context, tour: bool, plain: bool, serve: bool, port: int, served: bool
+) -> None:
     """Open the chat on a small home: the first minute with d3a.
 
     The home is ingested into a store of its own, once. Without a terminal five questions are
@@ -28,12 +33,15 @@ def command(context: click.Context, tour: bool, plain: bool) -> None:
     settings = settings_of(context)
     with failures():
         uri = demo_store(settings, lambda line: click.echo(line, err=True))
+        if serve:
+            serve_chat("demo", settings, port)
+            return
         settings = replace(settings, store=uri, store_from="the demo")
         with opened(settings) as store:
             session = session_of(settings, store, title="the demo home", suggestions=QUESTIONS)
             nobody = not (is_terminal(sys.stdin) and is_terminal(sys.stdout))
-            if tour or (nobody and not plain):
+            if tour or (nobody and not plain and not served):
                 for line in tour_lines(session):
                     click.echo(clean_lines(line))
                 return
-            hold(session, settings, plain=plain)
+            hold(session, settings, plain=plain, served=served)
