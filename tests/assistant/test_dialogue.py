@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from assistant.dialogue import Seen, follow, merge
@@ -136,6 +136,7 @@ def test_a_fragment_says_what_it_changes() -> None:
         max_size=8,
     )
 )
+@example(["about"])
 def test_any_follow_up_is_a_query_or_a_question_error(words: list[str]) -> None:
     last = parse(FIRST, now=NOW)
     try:
