@@ -9,13 +9,14 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
-from itertools import pairwise
+from itertools import chain, pairwise
 from statistics import median
 from typing import Any
 
 import numpy as np
 
 from d3a import images
+from d3a.intake import EVERYTHING
 from d3a.model import BadInput, Frame
 from d3a.readers.base import (
     Described,
@@ -26,16 +27,13 @@ from d3a.readers.base import (
     Skipped,
     Stream,
 )
-from d3a.store.limits import MAX_TIME_MS
+from d3a.sieve import Sieve, Sifted
 
 SAMPLES = 16
 """So many frames, spread over the recording, have their pictures decoded."""
 GAP_STEPS = 10
 """A pause is a gap from so many usual (median) steps on."""
 NAMED_GAPS = 5
-BACKWARDS = "time runs backwards or stands still"
-NO_DATE = "time outside of 1970 to 2199"
-TWICE = "frame of a name that was there before"
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,10 +90,13 @@ def survey(reader: Reader) -> Survey:
     facts = reader.facts
     frames = reader.outline() if isinstance(reader, Outlined) else iter(reader)
     stride = max((facts.frames or 0) // SAMPLES, 1)
-    for number, frame in enumerate(frames):
-        counted.add(frame)
-        if number % stride == 0 and counted.samples < SAMPLES:
-            counted.sample(frame)
+    sieve = Sieve(EVERYTHING, was_done=False)
+    for sifted in chain(sieve.sift(frames), sieve.rest()):
+        if sifted is None:
+            continue
+        counted.add(sifted)
+        if sifted.number % stride == 0 and counted.samples < SAMPLES:
+            counted.sample(sifted.frame)
     times = counted.times
     steps = [(b - a) / 1000 for a, b in pairwise(times)]
     step_s = median(steps) if steps else None
@@ -129,19 +130,12 @@ class _Counted:
         self.categories: Counter[str] = Counter()
         self.sampled = Sampled()
         self.skipped = Skipped()
-        self._names: set[str] = set()
 
-    def add(self, frame: Frame) -> None:
-        """Count a frame; one out of time's order is counted as left out, as an ingest would."""
-        if not 0 <= frame.time_ms < MAX_TIME_MS:
-            self.skipped.add(NO_DATE, frame.name)
-            return
-        if frame.name in self._names:
-            self.skipped.add(TWICE, frame.name)
-            return
-        self._names.add(frame.name)
-        if self.times and frame.time_ms <= self.times[-1]:
-            self.skipped.add(BACKWARDS, frame.name)
+    def add(self, sifted: Sifted) -> None:
+        """Count a frame; what an ingest would leave out is counted as left out."""
+        frame = sifted.frame
+        if sifted.why is not None:
+            self.skipped.add(sifted.why, frame.name)
             return
         self.times.append(frame.time_ms)
         has = {name: getattr(frame, name) is not None for name in PARTS if name != "located"}
