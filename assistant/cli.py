@@ -37,6 +37,7 @@ COMMANDS = {
     "store": "Copy a store, check and mend it, tell what it is.",
     "teach": "Say what a thing is called, and whose it is.",
     "undo": "Take back the last thing that was said of the store.",
+    "watch": "Fill a store from a recording as it grows, or a live robot.",
 }
 """Name to summary: enough for --help, so that it loads no command."""
 EVALUATION = ("evaluate", "simulate")

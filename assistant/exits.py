@@ -14,6 +14,7 @@ class ExitCode(IntEnum):
     STORE = 3  # the store cannot be reached, opened or read
     QUESTION = 5  # not understood, out of scope, ambiguous
     INTERRUPTED = 130
+    TERMINATED = 143  # SIGTERM
 
 
 OF_STATUS = {

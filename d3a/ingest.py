@@ -206,7 +206,10 @@ class _Run:
                 marked, written = associator.consumed, self._frames
             if stopped:
                 return True
-        return self._live.should_stop()
+        stopped = self._live.should_stop()
+        if stopped and self._frames > written:
+            self._checkpoint(associator, log)
+        return stopped
 
     def _sifted(
         self, frames: Iterator[Frame | None], associator: Associator

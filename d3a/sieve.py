@@ -18,8 +18,9 @@ DUPLICATE = "duplicate frame"
 BACKWARDS = "time runs backwards or stands still"
 JUMP = "time jumps ahead, and the frames after it come before"
 NO_DATE = "time outside of 1970 to 2199"
-JUMP_MS = 10_000
-"""A frame this long after the one before is compared with those that follow."""
+JUMP_MS = 600_000
+"""A frame this long after the one before is compared with those that follow; a smaller slip costs
+no more than so much of the recording, and slow cameras need not wait."""
 LOOK_AHEAD = 5
 """Frames to compare with; a stamp that more than half of them contradict is a slip."""
 
@@ -71,27 +72,26 @@ class Sieve:
             self._names.add(frame.name)
             if number >= self._consumed:
                 self._waiting.append((number, frame, is_duplicate))
-                yield from self._judged(LOOK_AHEAD)
+                yield from self._judged(is_end=False)
             number += 1
 
     def rest(self) -> Iterator[Sifted]:
         """Yield the verdicts on frames that waited for others, where none will come."""
-        yield from self._judged(0)
+        yield from self._judged(is_end=True)
 
-    def _judged(self, least: int) -> Iterator[Sifted]:
-        """Yield verdicts while they need no more frames; least: to look ahead to."""
+    def _judged(self, *, is_end: bool) -> Iterator[Sifted]:
+        """Yield verdicts while they need no more frames; is_end: no more will come."""
         while self._waiting:
             number, frame, is_duplicate = self._waiting[0]
             if self._had_ms is not None and frame.time_ms <= self._had_ms:
                 verdict = Sifted(number, frame, is_known=True)
             elif (why := self._amiss(frame, is_duplicate)) is not None:
                 verdict = Sifted(number, frame, why)
-            elif self._is_ahead(frame) and len(self._waiting) <= least:
-                return
-            elif self._is_slip(frame):
-                verdict = Sifted(number, frame, JUMP)
             else:
-                verdict = Sifted(number, frame, self._why_not(number, frame))
+                is_slip = self._is_slip(frame, is_end=is_end)
+                if is_slip is None:
+                    return
+                verdict = Sifted(number, frame, JUMP if is_slip else self._why_not(number, frame))
                 if verdict.why is None:
                     self._last_ms = frame.time_ms
             self._waiting.popleft()
@@ -106,18 +106,22 @@ class Sieve:
             return BACKWARDS
         return None
 
-    def _is_ahead(self, frame: Frame) -> bool:
-        return self._last_ms is None or frame.time_ms - self._last_ms > JUMP_MS
+    def _is_slip(self, frame: Frame, *, is_end: bool) -> bool | None:
+        """Say whether most frames that follow come well before this one, and after the last.
 
-    def _is_slip(self, frame: Frame) -> bool:
-        """Say whether the frames that follow come well before this one, and after the last."""
-        if not self._is_ahead(frame):
+        None: that takes more frames than there are.
+        """
+        if self._last_ms is not None and frame.time_ms - self._last_ms <= JUMP_MS:
             return False
-        following = [self._waiting[n][1].time_ms for n in range(1, len(self._waiting))]
-        following = following[:LOOK_AHEAD]
         low = -1 if self._last_ms is None else self._last_ms
         high = frame.time_ms - (JUMP_MS if self._last_ms is None else 0)
-        return 2 * sum(low < time_ms < high for time_ms in following) > len(following)
+        following = [self._waiting[n][1].time_ms for n in range(1, len(self._waiting))]
+        following = following[:LOOK_AHEAD]
+        against = sum(low < time_ms < high for time_ms in following)
+        most = LOOK_AHEAD // 2 + 1
+        if max(against, len(following) - against) < most and not is_end:
+            return None
+        return 2 * against > len(following)
 
     def _why_not(self, number: int, frame: Frame) -> str | None:
         why = self._intake.why_not(number, frame.time_ms)

@@ -1,0 +1,69 @@
+"""An ingest of a recording that grows, for as long as it does."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from d3a.associator import ForgottenMeanwhile
+from d3a.ingest import IngestSummary, Live, NothingYet, Progress, ingest
+from d3a.intake import EVERYTHING, Intake
+from d3a.parameters import Parameters
+from d3a.readers.base import Follower
+from d3a.store.base import Store
+
+if TYPE_CHECKING:
+    from d3a.detectors.base import Detector
+    from d3a.embedders.base import Embedder
+
+FRESH_S = 2.0
+"""How old the answers of a store may be that is filled as one watches."""
+
+
+@dataclass(frozen=True, slots=True)
+class Watching:
+    """What an ingest that follows a recording needs besides the recording and the store.
+
+    fresh_s: the store is at most this much older than what came. on_again: told when something
+    was forgotten meanwhile and the ingest goes on from its last checkpoint.
+    """
+
+    parameters: Parameters
+    should_stop: Callable[[], bool]
+    fresh_s: float = FRESH_S
+    intake: Intake = EVERYTHING
+    detector: Detector | None = None
+    embedder: Embedder | None = None
+    on_progress: Progress | None = None
+    on_again: Callable[[str], None] = lambda _: None
+
+
+def watch(
+    opened: Callable[[], Follower | None], store: Store, watching: Watching
+) -> IngestSummary | None:
+    """Take a growing recording in until it is over or is stopped; None where nothing came.
+
+    opened: begins to follow the recording, from its first frame; None where it was stopped. A
+    recording that is over is as a plain ingest leaves it; one that was stopped is left open, and
+    goes on when it is watched or ingested again. Raises as `ingest`.
+    """
+    while True:
+        follower = opened()
+        if follower is None:
+            return None
+        try:
+            return ingest(
+                follower,
+                store,
+                watching.parameters,
+                detector=watching.detector,
+                embedder=watching.embedder,
+                on_progress=watching.on_progress,
+                intake=watching.intake,
+                live=Live(watching.fresh_s, watching.should_stop),
+            )
+        except NothingYet:
+            return None
+        except ForgottenMeanwhile as error:
+            watching.on_again(str(error))
