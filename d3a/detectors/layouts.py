@@ -146,22 +146,25 @@ def recognise(
         *_of_one(outputs, tables, size, classes),
     ]
     fitting = [reading for reading in found if said in (None, reading.layout.name)]
-    names = {reading.layout.name for reading in fitting}
     if not fitting:
         raise BadInput(_unknown(outputs, tables, classes, said))
-    if "end2end" in names and len(names) > 1:
+    first, names = fitting[0], [reading.layout.name for reading in fitting]
+    if "end2end" in names and first.layout.name != "end2end":  # nothing grey tells these apart
         raise BadInput(
-            f"the model's output {_shapes(outputs)} may be of the layout "
-            f"{' or '.join(sorted(names))}: say which (layout=...)"
+            f"the model's output {_shapes(outputs)} may be of the layout {first.layout.name} or "
+            "end2end: say which (layout=...)"
         )
-    return fitting[0]
+    return first
 
 
 def _of_two(
     outputs: Outputs, tables: Sequence[int], size: tuple[int, int], classes: int
 ) -> Iterator[Reading]:
-    """Yield the readings with boxes in one output, and classes in another."""
-    for boxes in tables:
+    """Yield the readings with boxes in one output, and classes in another.
+
+    With three or four classes both are as wide; what has numbers below zero is no box.
+    """
+    for boxes in sorted(tables, key=lambda number: bool((outputs[number] < 0).any())):
         for scores in tables:
             more = outputs[scores].shape[2] - classes
             alike = outputs[boxes].shape[1] == outputs[scores].shape[1]

@@ -13,8 +13,10 @@ from d3a import images
 from d3a.colours.looks import CARRIED, HISTOGRAM_MODEL, HISTOGRAM_SIZE
 from d3a.images import Pixels
 from d3a.model import BadInput
+from d3a.store.limits import MAX_EMBEDDING
 
 Floats = NDArray[np.float32]
+MOST_NUMBERS = MAX_EMBEDDING - HISTOGRAM_SIZE
 CARRIED_LENGTH = 0.01
 """The length of a carried histogram: it adds 0.0001 to a cosine at most, and keeps its digits."""
 
@@ -68,6 +70,11 @@ class WithColours:
     def embed(self, crops: Sequence[Pixels]) -> Floats:
         """Return (n, d + 512), unit length: the embedder's, then the histogram."""
         vectors = images.unit(checked(self.inner, self.inner.embed(crops), len(crops)))
+        if vectors.shape[1] > MOST_NUMBERS:
+            raise BadInput(
+                f"the embedder {self.inner.name!r} gives {vectors.shape[1]} numbers; a store keeps "
+                f"{MOST_NUMBERS} at most besides the colours"
+            )
         share = np.float32(CARRIED_LENGTH)
         colours = HistogramEmbedder().embed(crops)
         return np.concatenate([vectors * np.sqrt(1 - share**2), colours * share], axis=1)
