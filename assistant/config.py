@@ -6,17 +6,18 @@ import difflib
 import os
 import tomllib
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, field, fields, replace
 from datetime import UTC, datetime, tzinfo
 from pathlib import Path
 from typing import Any
 from zoneinfo import ZoneInfo, available_timezones
 
-from assistant import protocols
+from assistant import keymap, protocols
 
 APP = "d3a"
 FILE = "d3a.toml"
 CHOICES = {"color": ("auto", "always", "never"), "images": protocols.CHOICES}
+_KINDS = {str: (str, "text"), bool: (bool, "true or false"), dict: (Mapping, "a table")}
 HIDDEN = {"clock", "store_from"}
 """Fields of Settings that no file may hold."""
 STORE_SCHEME = "sqlite:///"
@@ -35,6 +36,7 @@ class Settings:
     images: how the chat shows pictures, one of CHOICES; see `protocols`.
     history: whether questions are kept for the next chat. speak: the command that says an answer
     aloud, its words being the last argument; empty for the first that the machine has.
+    keys: the chat's keys by action where they are not the usual ones; see `keymap`.
     """
 
     clock: Callable[[], datetime]
@@ -47,6 +49,7 @@ class Settings:
     quiet: bool = False
     history: bool = True
     speak: str = ""
+    keys: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def store_uri(self) -> str:
@@ -186,14 +189,17 @@ def _laid_over(settings: Settings, given: Mapping[str, Any], where: str) -> Sett
         if name not in allowed:
             near = difflib.get_close_matches(name, allowed, n=1, cutoff=0.0)
             raise SettingsError(f"{where} sets {name!r}, which is no setting; nearest: {near[0]}")
-        expected = bool if known[name] is bool else str
-        if not isinstance(value, expected):
-            raise SettingsError(
-                f"{where} sets {name} to {value!r}; it must be a {expected.__name__}"
-            )
-        if value not in CHOICES.get(name, (value,)):
+        kind, expected = _KINDS.get(known[name], _KINDS[str])
+        if not isinstance(value, kind):
+            raise SettingsError(f"{where} sets {name} to {value!r}; it must be {expected}")
+        if name in CHOICES and value not in CHOICES[name]:
             choices = ", ".join(CHOICES[name])
             raise SettingsError(f"{where} sets {name} to {value!r}; it must be one of {choices}")
+    if "keys" in given:
+        try:
+            given = {**given, "keys": keymap.checked(given["keys"])}
+        except keymap.KeysError as error:
+            raise SettingsError(f"{where}: {error}") from None
     if "store" in given:
         settings = replace(settings, store_from=where)
     return replace(settings, **given)

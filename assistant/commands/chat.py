@@ -96,6 +96,8 @@ def hold(
         from assistant.ui import pixels
 
         pixels.load(chosen.cell)
-    app = ChatApp(session, history=history, pictures=chosen.kind, speak=settings.speak)
+    app = ChatApp(
+        session, history=history, pictures=chosen.kind, speak=settings.speak, keys=settings.keys
+    )
     app.chat.typed = chosen.typed
     app.run()

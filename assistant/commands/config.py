@@ -21,6 +21,8 @@ SAMPLE = """\
 # images = "auto"                        # auto, kitty, sixel, cells, ascii, off
 # history = true                         # keep questions for the next chat
 # speak = "espeak-ng -s 150"             # says an answer aloud; else spd-say, say or espeak-ng
+# [keys]                                 # of the chat, by what they do: help, picture, map, speak,
+# why = "ctrl+y"                         # large, save, why, copy, palette, quit, earlier, later
 """
 
 
@@ -42,6 +44,7 @@ def show(context: click.Context, as_json: bool) -> None:
         record = {"schema": 1, **record}
         click.echo(json_line(record, ascii_only=not speaks_unicode(sys.stdout)))
         return
+    record["keys"] = ", ".join(f"{k}: {v}" for k, v in settings.keys.items()) or None
     for name, value in record.items():
         click.echo(clean(f"{name:<9} {'not set' if value is None else value}"))
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import os
 import threading
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -16,7 +16,7 @@ from typing import ClassVar
 
 from textual import work
 from textual.app import App, SystemCommand
-from textual.binding import Binding, BindingType
+from textual.binding import BindingType
 from textual.message import Message
 from textual.screen import Screen
 from textual.widgets import Input
@@ -30,6 +30,7 @@ from assistant.ui.clipboard import copied_here, takes_osc_52
 from assistant.ui.commands import COMMANDS, HIGH_CONTRAST
 from assistant.ui.floor import read_floor
 from assistant.ui.history import History
+from assistant.ui.keys import APP_KEYS, keys_said
 from assistant.ui.lists import KeyframeList, QuestionList
 from assistant.ui.palette import Palette
 from assistant.ui.picture import Shot
@@ -49,23 +50,12 @@ class ChatApp(App[None], inherit_bindings=False):
     """The chat over one session.
 
     history: earlier questions. saves: the folder F6 writes to. speak: the command of F4.
+    keys: by action, those that the settings put in the place of the usual ones.
     """
 
     TITLE = "d3a"
     CSS_PATH = "chat.tcss"
-    BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("f1", "help", "Help", id="help"),
-        Binding("f2", "picture", "Picture", id="picture"),
-        Binding("f3", "map", "Map", id="map"),
-        Binding("f4", "speak", "Speak", id="speak"),
-        Binding("f5", "large", "Large", id="large"),
-        Binding("f6", "save", "Save", id="save"),
-        Binding("f7", "why", "Why", id="why"),
-        Binding("f8", "copy_answer", "Copy", id="copy"),
-        Binding("ctrl+q", "quit", "Quit", id="quit"),
-        Binding("ctrl+c", "help_quit", show=False, system=True),
-        Binding("escape", "stop", "Stop", show=False, id="stop"),
-    ]
+    BINDINGS: ClassVar[list[BindingType]] = APP_KEYS
 
     @dataclass
     class Answered(Message):
@@ -104,6 +94,7 @@ class ChatApp(App[None], inherit_bindings=False):
         pictures: Kind = "cells",
         saves: Path | None = None,
         speak: str | None = None,
+        keys: Mapping[str, str] | None = None,
     ) -> None:
         super().__init__()
         self._session = session
@@ -111,6 +102,7 @@ class ChatApp(App[None], inherit_bindings=False):
         self._pictures: Kind = pictures
         self._saves = saves or Path("d3a-saved")
         self._voice = Voice(speak)
+        self._keys = dict(keys or {})
         self._store_lane = threading.Lock()  # a store's connection serves one thread at a time
         self._asked = 0
         self._waiting = False
@@ -120,6 +112,7 @@ class ChatApp(App[None], inherit_bindings=False):
         self._kept: dict[str, Keyframe] = {}
         self.chat = ChatScreen(session, pictures)
         self.register_theme(HIGH_CONTRAST)
+        self.set_keymap(self._keys)
 
     def get_default_screen(self) -> Screen[None]:
         """Return the screen of the conversation."""
@@ -276,7 +269,7 @@ class ChatApp(App[None], inherit_bindings=False):
 
     def action_help(self) -> None:
         """Show keys and examples."""
-        self.push_screen(Sheet("Help", HELP))
+        self.push_screen(Sheet("Help", HELP + keys_said(self._keys)))
 
     def action_picture(self) -> None:
         """Show the whole picture of the chosen keyframe."""

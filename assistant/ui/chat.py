@@ -9,7 +9,7 @@ from typing import ClassVar
 
 from rich.text import Text
 from textual.app import ComposeResult
-from textual.binding import Binding, BindingType
+from textual.binding import BindingType
 from textual.containers import Container, Horizontal, Vertical, VerticalScroll
 from textual.events import Key
 from textual.message import Message
@@ -21,6 +21,7 @@ from assistant.protocols import Kind
 from assistant.session import Session
 from assistant.terminal import clean, width_of
 from assistant.ui.floor import Floor
+from assistant.ui.keys import SCREEN_KEYS
 from assistant.ui.lists import KeyframeList, QuestionList
 from assistant.ui.panels import FloorView, Timeline, exchange
 from assistant.ui.picture import PictureView, Shot, caption
@@ -99,10 +100,7 @@ class ChatScreen(Screen[None]):
         (22, "-mid"),
         (30, "-high"),
     ]
-    BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("pageup", "earlier(-1)", "Earlier", show=False, id="earlier"),
-        Binding("pagedown", "earlier(1)", "Later", show=False, id="later"),
-    ]
+    BINDINGS: ClassVar[list[BindingType]] = SCREEN_KEYS
 
     @dataclass
     class Ready(Message):

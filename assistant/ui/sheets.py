@@ -14,9 +14,11 @@ from textual.message import Message
 from textual.screen import ModalScreen
 from textual.widgets import Static
 
+from assistant.keymap import ACTIONS
 from assistant.protocols import Kind
 from assistant.terminal import clean, clean_lines
 from assistant.ui.boxing import first_box, grown, moved, spanned
+from assistant.ui.keys import closing
 from assistant.ui.panels import FloorView
 from assistant.ui.picture import PictureView, Shot, caption
 from assistant.wording import how_sure, place_words, short_time
@@ -74,7 +76,8 @@ class Sheet(Overlay):
     """A page of text over the chat; Esc, Enter, q or its own key closes it."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("escape,enter,q,f1,f7", "dismiss_sheet", "Back"),
+        Binding("escape,enter,q", "dismiss_sheet", "Back"),
+        *closing("help", "why"),
     ]
 
     def __init__(self, title: str, text: str = "") -> None:
@@ -104,7 +107,8 @@ class PictureSheet(Overlay):
     """The whole picture of a keyframe; the arrows go through the list."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("escape,q,f2", "dismiss_sheet", "Back"),
+        Binding("escape,q", "dismiss_sheet", "Back"),
+        *closing("picture"),
         Binding("enter", "accept", "Back, or take the box"),
         Binding("n", "step(1)", "Next"),
         Binding("p", "step(-1)", "Previous"),
@@ -242,7 +246,8 @@ class FloorSheet(Overlay):
     """The map over the whole screen."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("escape,enter,q,f3", "dismiss_sheet", "Back"),
+        Binding("escape,enter,q", "dismiss_sheet", "Back"),
+        *closing("map"),
     ]
 
     def __init__(self, floor: Floor, keyframes: Sequence[RankedKeyframe], now: datetime) -> None:
@@ -270,10 +275,11 @@ class LargeSheet(Overlay):
     """One answer in few, spaced lines, one picture, three keys: for tired eyes."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("escape,enter,q,f5", "dismiss_sheet", "Back"),
-        Binding("f4", "app.speak", "Speak"),
-        Binding("f8", "app.copy_answer", "Copy"),
-        Binding("f6", "app.save", "Save"),
+        Binding("escape,enter,q", "dismiss_sheet", "Back"),
+        *closing("large"),
+        Binding(ACTIONS["speak"], "app.speak", "Speak", id="speak"),
+        Binding(ACTIONS["copy"], "app.copy_answer", "Copy", id="copy"),
+        Binding(ACTIONS["save"], "app.save", "Save", id="save"),
     ]
 
     def __init__(self, answer: Answer, shot: Shot | None, kind: Kind) -> None:
