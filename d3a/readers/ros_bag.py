@@ -112,21 +112,23 @@ class Bag:
         self.is_ros2 = self._files[0].suffix not in (".bag", ".active")
         has_metadata = source.is_dir() and (source / METADATA).is_file()
         self._parts: list[_Whole | ros_salvage.Cut] = []
-        self._open([source] if has_metadata and self.is_ros2 else self._files)
+        paths = [source] if has_metadata and self.is_ros2 else self._files
+        self._open(paths, is_alone=paths == self._files[:1])
         self.topics = self._topics()
         if not self.topics:
             raise BadInput(f"{source} holds no message that can be read")
         self._stores = self._typestores()
         self._chosen: dict[str, int] = {}
 
-    def _open(self, paths: list[Path]) -> None:
+    def _open(self, paths: list[Path], *, is_alone: bool) -> None:
+        """Open files together; where that fails each alone, and of what is cut what there is."""
         whole = _Whole(self._lib, paths)
         try:
             whole.look()
         except self._damage as error:
-            if len(paths) > 1 or paths != self._files:
+            if not is_alone:
                 for path in self._files:
-                    self._open([path])
+                    self._open([path], is_alone=True)
                 return
             self.skipped.add(CUT, f"{paths[0].name} ({clean_text(str(error))[:120]})")
             cut = ros_salvage.open_cut(paths[0])

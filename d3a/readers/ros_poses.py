@@ -231,7 +231,7 @@ def _by_topic(tree: Tree, topic: PoseTopic, names: list[str], up: list[Edge], go
                 f"no transform leads from {child} to the camera {names[0] or '(no frame)'}: it is "
                 "taken to be there, looking ahead; mount=x,y,z,qx,qy,qz,qw would tell",
             )
-    if not tail and child == names[0] and not topic.child and "optical" not in child:
+    if not tail and not topic.child and mount is None:
         mount = OPTICAL
         notes += (f"{topic.name} is taken as a robot's pose; pose-of=FRAME would tell whose",)
     sure = topic if any(c is not None for c in topic.covariances) and top == topic.parent else None

@@ -10,6 +10,7 @@ import bz2
 import sqlite3
 import struct
 from collections.abc import Collection, Iterator
+from contextlib import closing
 from io import BytesIO
 from pathlib import Path
 from typing import BinaryIO, Protocol
@@ -246,7 +247,7 @@ class CutSqlite:
         self.name = path.name
         self._topics: dict[int, tuple[str, str]] = {}
         try:
-            with self._connected() as database:
+            with closing(self._connected()) as database:
                 rows = database.execute("SELECT id, name, type FROM topics")
                 self._topics = {number: (str(name), str(kind)) for number, name, kind in rows}
         except sqlite3.Error:
@@ -254,7 +255,10 @@ class CutSqlite:
 
     def _connected(self) -> sqlite3.Connection:
         address = f"file:{quote(str(self._path.resolve()))}?immutable=1"
-        return sqlite3.connect(address, uri=True)
+        connection = sqlite3.connect(address, uri=True)
+        # without this SQLite refuses a file that lacks its last pages, whatever is asked of it
+        connection.execute("PRAGMA writable_schema = ON")
+        return connection
 
     def topics(self) -> list[tuple[str, str, int | None]]:
         """Return the topics, without counts."""
@@ -263,7 +267,7 @@ class CutSqlite:
     def definitions(self) -> list[tuple[str, str, str]]:
         """Return the definitions that newer recorders write."""
         try:
-            with self._connected() as database:
+            with closing(self._connected()) as database:
                 rows = database.execute(
                     "SELECT topic_type, encoding, encoded_message_definition "
                     "FROM message_definitions WHERE encoded_message_definition != ''"

@@ -217,12 +217,12 @@ class RosbagReader:
             return None
 
     def __iter__(self) -> Iterator[Frame]:
-        """Yield a frame for each picture; those whose time runs backwards bear nothing else."""
+        """Yield a frame for each picture; the ingest counts those that go back in time."""
         self.skipped = self._fresh()
         times = self._index.times[self._main.topic.name]
         depths, boxes = self._followers()
         has_boxes = self._choice.detections is not None
-        row, last_ms = 0, -1
+        row = 0
         for number, message in enumerate(self._bag.messages([self._main.topic.name])):
             if number >= len(times) or times[number] == NEVER:
                 self.skipped.add(NO_STAMP, f"{message.topic}: message {number + 1}")
@@ -232,10 +232,6 @@ class RosbagReader:
             if boxes is not None and number not in self._boxes:
                 self.skipped.add(NOT_LOOKED, name)
                 continue
-            if time_ms <= last_ms:
-                yield Frame(name, time_ms, detections=() if has_boxes else None)
-                continue
-            last_ms = time_ms
             pose = self._pose(times[number], name)
             found: tuple[Detection, ...] | None = None
             if has_boxes:

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -25,6 +24,7 @@ from rosbags.rosbag2 import Writer as Writer2
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 OPTICAL_FRAME = "camera_color_optical_frame"
+COLOUR = "/camera/color/image_raw/compressed"
 IMAGE, DEPTH = "/camera/color/image_raw", "/camera/aligned_depth_to_color/image_raw"
 INFO, BOXES = "/camera/color/camera_info", "/detections"
 TF = "tf2_msgs/msg/TFMessage"
@@ -54,6 +54,34 @@ class Said:
     fields: Mapping[str, Any]
     frame_id: str = ""
     late_ms: int = 0
+
+
+Change = Callable[[Said], Said | None]
+
+
+def without(*topics: str) -> Change:
+    """Leave topics out."""
+    return lambda said: None if said.topic in topics else said
+
+
+def put(topic: str, number: int | None, **fields: Any) -> Change:
+    """Give the message of a topic and a moment (None: all) other fields."""
+    at_ms = None if number is None else moments()[number].time_ms
+    return lambda said: (
+        replace(said, fields=dict(said.fields) | fields)
+        if said.topic == topic and at_ms in (None, said.time_ms)
+        else said
+    )
+
+
+def moved(topic: str, number: int, time_ms: int) -> Change:
+    """Give the message of a topic and a moment another stamp; it is received when it was."""
+    at_ms = moments()[number].time_ms
+    return lambda said: (
+        replace(said, time_ms=time_ms, late_ms=at_ms + said.late_ms - time_ms)
+        if (said.topic, said.time_ms) == (topic, at_ms)
+        else said
+    )
 
 
 @dataclass
@@ -203,7 +231,7 @@ class World:
             fields = {(n.upper() if len(n) == 1 else n): v for n, v in fields.items()}
         return Said(INFO, "sensor_msgs/CameraInfo", time_ms, fields, OPTICAL_FRAME)
 
-    def jpeg(self, moment: Moment, topic: str = IMAGE + "/compressed") -> Said:
+    def jpeg(self, moment: Moment, topic: str = COLOUR) -> Said:
         """The moment's picture, as the bytes that the folder has."""
         data = np.frombuffer(jpeg(moment.shade), np.uint8)
         fields = {"format": "bgr8; jpeg compressed bgr8", "data": data}
@@ -234,14 +262,15 @@ class World:
             self.tf(time_ms, "camera_link", OPTICAL_FRAME, OPTICAL, "/tf_static"),
         ]
 
-    def recording(self) -> list[Said]:
+    def recording(self, earlier_ms: int = 0) -> list[Said]:
         """The small recording. Fixed transforms come after it: they hold before as well."""
-        said = [each for moment in moments() for each in self.of_moment(moment)]
+        shifted = [replace(each, time_ms=each.time_ms - earlier_ms) for each in moments()]
+        said = [each for moment in shifted for each in self.of_moment(moment)]
         if self.layout is None:
             fields = {"database_location": '{"41": "cup", "45": "bowl"}'}
             kind = "vision_msgs/VisionInfo"
-            said.append(Said("/vision_info", kind, moments()[0].time_ms, fields))
-        return [*said, *self.fixed(moments()[-1].time_ms + 500)]
+            said.append(Said("/vision_info", kind, shifted[0].time_ms, fields))
+        return [*said, *self.fixed(shifted[-1].time_ms + 500)]
 
     def write(self, path: Path, said: Sequence[Said], *, defined: bool = True) -> Path:
         """Write a bag by the time of receipt; defined False: without message definitions."""
@@ -264,6 +293,16 @@ class World:
         if not defined:
             undefine(path)
         return path
+
+    def write_changed(self, path: Path, *changes: Change, more: Sequence[Said] = ()) -> Path:
+        """Write the small recording with each message changed, or left out where one says None."""
+        said: list[Said] = []
+        for each in self.recording():
+            changed: Said | None = each
+            for change in changes:
+                changed = None if changed is None else change(changed)
+            said += [] if changed is None else [changed]
+        return self.write(path, [*said, *more])
 
     def _packed(self, said: Said, kind: str) -> tuple[int, Any]:
         fields = dict(said.fields)
@@ -309,8 +348,3 @@ def as_bag(path: Path, kind: str) -> Path:
     """The small recording as a bag of one of KINDS."""
     world = World(kind, None if kind == "ros1" else 0)
     return world.write(path, world.recording())
-
-
-def namespace(**fields: Any) -> SimpleNamespace:
-    """Something with these fields, as messages have them."""
-    return SimpleNamespace(**fields)
