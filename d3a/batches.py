@@ -6,7 +6,7 @@ in the recording's order, and the tiers see them one by one in one process.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Generator, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 
 from d3a.preparation import Preparation, Prepared
@@ -32,13 +32,33 @@ def is_wanted(sifted: Sifted) -> bool:
     return sifted.why is None and not sifted.is_known
 
 
-def one_by_one(sifted: Iterable[Sifted | None], preparation: Preparation) -> Iterator[Ready | None]:
-    """Yield each frame with its scene, made when it is asked for; None is passed on."""
+def one_by_one(
+    sifted: Iterable[Sifted | None], preparation: Preparation
+) -> Generator[Ready | None]:
+    """Yield each frame with its scene, made when it is asked for; None is passed on.
+
+    As many as the detector takes at once are looked at together; where a None says that no more
+    will come for now, those that wait are not kept waiting.
+    """
+    group: list[Sifted] = []
+    wanted = 0
     for each in sifted:
+        if each is not None:
+            group.append(each)
+            wanted += is_wanted(each)
+        if each is None or wanted in (0, preparation.batch):
+            yield from _together(group, preparation)
+            group, wanted = [], 0
         if each is None:
             yield None
-        elif is_wanted(each):
-            skipped = Skipped()
-            yield Ready(each, preparation.prepare(each.frame, skipped), skipped)
-        else:
-            yield Ready(each)
+    yield from _together(group, preparation)
+
+
+def _together(group: Sequence[Sifted], preparation: Preparation) -> Iterator[Ready]:
+    skipped = [Skipped() for _ in group]
+    looked_at = [
+        (each.frame, own) for each, own in zip(group, skipped, strict=True) if is_wanted(each)
+    ]
+    scenes = iter(preparation.prepare_all([f for f, _ in looked_at], [s for _, s in looked_at]))
+    for each, own in zip(group, skipped, strict=True):
+        yield Ready(each, next(scenes), own) if is_wanted(each) else Ready(each)

@@ -128,12 +128,19 @@ class Preparation:
         self._stopwatch = stopwatch
         self._intake = intake
 
+    @property
+    def batch(self) -> int:
+        """How many frames the detector is best shown at once."""
+        return self._detector.batch if isinstance(self._detector, BatchDetector) else 1
+
     def prepare(self, frame: Frame, skipped: Skipped) -> Prepared:
         """Return the frame's scene; what is broken in it is added to `skipped`."""
         return self.prepare_all([frame], [skipped])[0]
 
     def prepare_all(self, frames: Sequence[Frame], skipped: Sequence[Skipped]) -> list[Prepared]:
         """Return the scenes of frames that are looked at together; skipped: of each its own."""
+        if not frames:
+            return []
         with self._stopwatch.stage("decode"):
             each_seen = [self._seen(*pair) for pair in zip(frames, skipped, strict=True)]
         with self._stopwatch.stage("detect"):

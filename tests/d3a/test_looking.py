@@ -27,6 +27,7 @@ from d3a.parameters import DEFAULT, PAPER, Parameters
 from d3a.preparation import BROKEN_PICTURE, NO_PICTURE
 from d3a.readers.base import RecordingFacts
 from d3a.readers.opening import open_source
+from d3a.sieve import BACKWARDS
 from tests.worlds.onnx_models import CLASSES, finder, mean_colour, scene
 from tests.worlds.oracle import OracleStore
 from tests.worlds.rounds import START_MS, ListReader, frame_line, write_recording
@@ -138,6 +139,39 @@ def test_batches_fill_the_same_store(tmp_path: Path) -> None:
     found = ingested(pictured(things), three)[1]
     assert [r.category for r in found.objects()] == [r.category for r in one.objects()]
     assert [s.box for s in found.sightings()] == [s.box for s in one.sightings()]
+
+
+class Counting:
+    """A detector that notes how many frames it is shown at once."""
+
+    classes, identity, batch = ("cup",), "counting", 3
+
+    def __init__(self) -> None:
+        self.shown: list[int] = []
+
+    def detect(self, frame: Frame, pixels: Pixels | None) -> tuple[Detection, ...]:
+        raise AssertionError("it takes several")
+
+    def detect_all(
+        self, frames: Sequence[Frame], pictures: Sequence[Pixels | None]
+    ) -> list[tuple[Detection, ...]]:
+        self.shown.append(len(frames))
+        return [(Detection("cup", 0.9, (16, 16, 32, 32)),) for _ in frames]
+
+
+def test_frames_are_shown_together_and_left_out_ones_in_their_place() -> None:
+    reader, counting = pictured([CUP] * 8), Counting()
+    frames = list(reader.frames)
+    frames[2] = replace(frames[2], time_ms=START_MS)  # runs backwards
+    summary, store = ingested(ListReader(frames, reader.facts), counting)
+    assert counting.shown == [3, 3, 1]
+    assert (summary.frames, summary.detections) == (7, 7)
+    assert summary.skipped.counts == {BACKWARDS: 1}
+    late = Counting()
+    ingest(reader, store := OracleStore(), DEFAULT, detector=late, max_frames=4)
+    ingest(reader, store, DEFAULT, detector=late)
+    whole = ingested(reader, Counting())[1]
+    assert list(store.dump()) == list(whole.dump())
 
 
 def test_an_embedder_compares_looks_and_colours_can_still_be_asked(tmp_path: Path) -> None:

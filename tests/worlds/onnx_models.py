@@ -164,7 +164,8 @@ def _written(
 ) -> list[str]:
     """Add what writes boxes (n, 4) and scores down; return the outputs."""
     (height, width), batch, objectness = rest
-    shares = cells / np.array([width, height, width, height], dtype=np.float32)
+    unit = np.array([width, height, width, height], dtype=np.float32)
+    shares = np.divide(cells, unit, dtype=np.float32)
 
     def constant(rows: Array) -> str:
         return graph.weight(np.ascontiguousarray(np.repeat(rows.T[None], batch, axis=0)))
