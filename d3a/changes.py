@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from d3a.distinct import may_be_one
 from d3a.moments import Found, Moment, changes_of_place, entry_of, single, total_ms
@@ -49,7 +49,7 @@ def moved(found: Found, when: Slice) -> list[Moment]:
                 linked = stay.moved_from if stay is not None else None
                 sure = linked[1] if linked is not None and linked[0] == before.place else 0.5
                 moment = single(found, after)
-                out.append(replace(moment, relation=max(0.0, min(1.0, sure))))
+                out.append(moment._replace(relation=max(0.0, min(1.0, sure))))
     return out
 
 

@@ -10,7 +10,6 @@ from d3a.answer import Answer, RankedKeyframe
 from d3a.distinct import least_number
 from d3a.model import Json
 from d3a.moments import Entry, Moment, total_ms
-from d3a.places import room_of, sigma_of
 from d3a.rank import Ranked, entry_score
 from d3a.run import Run, milliseconds
 from d3a.store.base import Sighting
@@ -94,10 +93,7 @@ def keyframe(
     start, end = _moment(run, sighting.start_ms), _moment(run, sighting.end_ms)
     assert start is not None
     assert end is not None
-    landmark = run.near(entry)
-    sure = sigma_of(stay) <= run.parameters.near_m
-    near = landmark is not None and sure and landmark[1] <= run.parameters.near_m
-    vague = landmark is not None and not sure and landmark[1] <= sigma_of(stay)
+    spot = run.spot(entry)
     return RankedKeyframe(
         rank=rank,
         score=score,
@@ -109,15 +105,15 @@ def keyframe(
         start=start,
         end=end,
         position=position,
-        place=room_of(run.facts.regions(), position),
-        near=landmark[0] if landmark is not None and near else None,
-        vague=landmark[0] if landmark is not None and vague else None,
+        place=spot.place,
+        near=spot.near,
+        vague=spot.vague,
         seen=sighting.seen,
         last_absent=_moment(run, gone),
         image=sighting.image,
         why=why,
         group=group,
-        beyond=landmark if sure and not near else None,
+        beyond=spot.beyond,
     )
 
 

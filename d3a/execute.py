@@ -339,6 +339,7 @@ def _rank(run: Run, step: Rank) -> None:
         spread=step.spread,
         unjudged=len(run.unjudged),
         at_ms=milliseconds(step.at),
+        told=run.limit,
     )
 
 
@@ -347,7 +348,7 @@ def _find_later_names(run: Run, step: FindLaterNames) -> None:
         return
     found, entry = run.found[step.var], run.ranked[0].moment.figure
     before = len(found.sightings)
-    later_names(run.store, entry, found, run.parameters)
+    later_names(run.facts, entry, found, run.parameters)
     if len(found.sightings) > before:
         _rank(run, run.rank_step)
 

@@ -38,6 +38,8 @@ MOST_LOOKS = 25_000
 MOST_SIGHTINGS = 20_000
 FEW_UNKNOWN = 16
 """Of so few objects all stays are read, and kept for the next question."""
+FEW_SIGHTINGS = 500
+"""Where no more was seen of what is asked for, it is read whole, and kept for the next question."""
 PALETTE_OBJECTS = 1_000
 """What boxes hold together is told by so many of them as well as by all."""
 FEW_OBJECTS = 2_000
@@ -47,7 +49,7 @@ _Asked = tuple[tuple[str, ...] | None, bool]
 
 @dataclass(slots=True)
 class _Known:
-    """What was read of a store at one revision."""
+    """What was read of a store at one revision. crowded: it is not a home of few things."""
 
     categories: list[tuple[str, int]] | None = None
     names: list[TaughtName] | None = None
@@ -59,6 +61,7 @@ class _Known:
     stays: dict[str, list[StayRecord]] = field(default_factory=dict)
     sightings: dict[str, list[Sighting]] = field(default_factory=dict)
     kept: Counter[str] = field(default_factory=Counter)
+    crowded: bool = False
 
     def keeps(self, kind: str, number: int, most: int) -> bool:
         """Whether so many more records may be kept; counts them where they may."""
@@ -156,7 +159,7 @@ class Facts:
         """
         ids = sorted({sighting.object_id for sighting in sightings})
         unknown = sum(name not in self._known.stays for name in ids)
-        if whole or unknown <= FEW_UNKNOWN:
+        if whole or unknown <= FEW_UNKNOWN or self._has_few_objects():
             return self.stays(ids)
         found = self.store.stays_at(sorted({sighting.stay for sighting in sightings}))
         return {stay.key: stay for stay in found}
@@ -182,7 +185,7 @@ class Facts:
         They are kept where they are all that there are.
         """
         known = self._known.sightings
-        if all(name in known for name in ids):
+        if self._knows_all(ids):
             every = (s for name in ids for s in known[name] if in_slice(s, start_ms, end_ms))
             ordered = sorted(every, key=lambda s: (s.start_ms, s.object_id, s.place))
             return newest_of(ordered, limit, oldest=oldest)
@@ -192,13 +195,29 @@ class Facts:
             self._keep_sightings(ids, found)
         return found
 
-    def _keep_sightings(self, ids: Sequence[str], found: Sequence[Sighting]) -> None:
-        """Keep the sightings of objects, where there is room: all that there are."""
-        if self._known.keeps("sightings", len(found), MOST_SIGHTINGS):
+    def _has_few_objects(self) -> bool:
+        return sum(count for _, count in self._counted()) <= FEW_OBJECTS
+
+    def _knows_all(self, ids: Sequence[str]) -> bool:
+        """Whether all sightings of the objects are known; reads them where they are few."""
+        known = self._known
+        unknown = [name for name in ids if name not in known.sightings]
+        if unknown and not known.crowded:
+            few = self._has_few_objects() and self.store.reach(unknown, FEW_SIGHTINGS) is None
+            known.crowded = not few or not self._keep_sightings(
+                unknown, self.store.sightings(object_ids=unknown)
+            )
+        return all(name in known.sightings for name in unknown)
+
+    def _keep_sightings(self, ids: Sequence[str], found: Sequence[Sighting]) -> bool:
+        """Keep the sightings of objects, all that there are; False where there is no room."""
+        room = self._known.keeps("sightings", len(found), MOST_SIGHTINGS)
+        if room:
             fresh: dict[str, list[Sighting]] = {name: [] for name in ids}
             for sighting in found:
                 fresh[sighting.object_id].append(sighting)
             self._known.sightings |= fresh
+        return room
 
     def sightings(
         self, ids: Sequence[str], start_ms: int | None, end_ms: int | None
@@ -207,13 +226,13 @@ class Facts:
 
         In the order of `joined`. A slice reads no more than itself, where the rest is not kept.
         """
-        known = self._known.sightings
-        unknown = [name for name in ids if name not in known]
         bounded = start_ms is not None or end_ms is not None
-        if unknown and bounded:
+        known = self._known.sightings
+        if bounded and not self._knows_all(ids):
             last = None if end_ms is None else end_ms - 1
             read = self.store.sightings(object_ids=ids, start_ms=start_ms, end_ms=last)
             return [s for s in joined(read) if in_slice(s, start_ms, end_ms)]
+        unknown = [name for name in ids if name not in known]
         fresh: dict[str, list[Sighting]] = {name: [] for name in unknown}
         for sighting in self.store.sightings(object_ids=unknown) if unknown else ():
             fresh[sighting.object_id].append(sighting)
@@ -241,7 +260,7 @@ class Facts:
     def landmarks(self, lexicon: Lexicon) -> Landmarks:
         """Return the large static things that places are told by."""
         if self._known.landmarks is None:
-            few = sum(count for _, count in self._counted()) <= FEW_OBJECTS
+            few = self._has_few_objects()
             wanted = [
                 category
                 for category in self.categories()

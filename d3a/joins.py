@@ -147,8 +147,10 @@ def _oriented(encounter: Encounter, figures: Spans, grounds: Spans) -> list[Link
 
 
 def _shown(spans: Spans, stay: StayKey, start_ms: int, end_ms: int) -> bool:
-    own = spans.get(stay)
-    return own is not None and any(a <= end_ms and b >= start_ms for a, b in own)
+    for a, b in spans.get(stay, ()):  # noqa: SIM110  asked of every encounter, twice as quick
+        if a <= end_ms and b >= start_ms:
+            return True
+    return False
 
 
 def _seen(encounter: Encounter, stay: StayKey, box: Box) -> Sighting:
@@ -296,8 +298,12 @@ def relate(
         timeless=kind == "same_place",
         once=once,
     )
-    pairs = pairs_of(met, figure, ground, usual)
+    apart = [link for link in met if kind != "together" or link.encounter is None]
+    pairs = pairs_of(apart, figure, ground, usual)
     held = relations.probability(kind, pairs, parameters)
+    if kind == "together":  # a shared frame settles it, whatever the geometry
+        told = iter(held.tolist())
+        held = np.array([1.0 if link.encounter is not None else next(told) for link in met])
     return Related(met, _agreed(met, held) if kind in STANDING else held)
 
 

@@ -12,11 +12,12 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from d3a.facts import Facts
 from d3a.match import Candidate
 from d3a.moments import Entry, Found
 from d3a.parameters import Parameters
 from d3a.places import sigma_of
-from d3a.store.base import Area, ObjectRecord, Sighting, StayRecord, Store
+from d3a.store.base import Area, ObjectRecord, Sighting, StayRecord
 
 LIKELY = 0.5
 """A look-alike is taken in where it is more likely the same thing than not."""
@@ -26,7 +27,7 @@ LIKENESS_SLOPE = 14.0
 """Log-odds a unit of it: means 0.36 apart with a deviation of 0.16 (same 0.78, other 0.42)."""
 
 
-def later_names(store: Store, entry: Entry, found: Found, parameters: Parameters) -> None:
+def later_names(facts: Facts, entry: Entry, found: Found, parameters: Parameters) -> None:
     """Add to `found` what may be the entry's thing, seen soon after it under another category.
 
     It keeps match and attributes of the thing, which were judged on more views, and `same` says
@@ -37,12 +38,16 @@ def later_names(store: Store, entry: Entry, found: Found, parameters: Parameters
         return
     x, y, reach = position[0], position[1], parameters.near_m
     last_ms = entry.sighting.end_ms
+    store = facts.store
     later = store.sightings(
         area=Area(x - reach, y - reach, x + reach, y + reach),
         start_ms=last_ms + 1,
         end_ms=last_ms + round(parameters.interval_gap_s * 1000),
     )
     others = sorted({s.object_id for s in later} - set(found.candidates))
+    stays = facts.stays(others)
+    later = [s for s in later if _same_spot(entry.stay, stays.get(s.stay), parameters)]
+    others = sorted({s.object_id for s in later} & set(others))
     if not others:
         return
     own = entry.sighting.object_id
@@ -51,7 +56,6 @@ def later_names(store: Store, entry: Entry, found: Found, parameters: Parameters
         for e in store.encounters(object_ids=[own], with_ids=others)
         for name in (e.object_a, e.object_b)
     }
-    stays = {stay.key: stay for stay in store.stays(object_ids=others)}
     records = store.objects(ids=[own, *(name for name in others if name not in beside)])
     look = next((record.embedding for record in records if record.object_id == own), None)
     if look is None:
@@ -61,7 +65,6 @@ def later_names(store: Store, entry: Entry, found: Found, parameters: Parameters
             continue
         same = same_look(look, record)
         theirs = [s for s in later if s.object_id == record.object_id]
-        theirs = [s for s in theirs if _same_spot(entry.stay, stays.get(s.stay), parameters)]
         if same >= LIKELY and theirs:
             _take_in(found, entry.candidate, record, same, theirs, stays)
 

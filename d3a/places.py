@@ -7,8 +7,8 @@ lies inside. Landmarks are large things that stay: "next to the microwave".
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Sequence
-from dataclasses import dataclass
+from collections.abc import Collection, Iterable, Sequence
+from dataclasses import dataclass, field
 from functools import lru_cache
 
 import numpy as np
@@ -39,15 +39,23 @@ LEAST_SHARE = 0.75
 """A landmark was seen so often, so much of it at one place and under one name."""
 FAR_M = 6.0
 """Where nothing near has a name, a landmark within this distance tells the place, with metres."""
+FEW = 24
+"""Up to so many landmarks are compared one by one."""
 
 
 @dataclass(frozen=True, slots=True)
 class Landmarks:
-    """Large static things: ids, categories as people say them, positions (n, 3), by id."""
+    """Large static things: ids, categories as people say them, positions in metres, by id."""
 
     ids: tuple[str, ...]
     categories: tuple[str, ...]
-    position: NDArray[np.float64]
+    places: tuple[Position, ...]
+    _array: NDArray[np.float64] = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        """Keep the positions as an array (n, 3) too."""
+        places = np.array(self.places, dtype=np.float64).reshape(-1, 3)
+        object.__setattr__(self, "_array", places)
 
     def nearest(
         self,
@@ -60,13 +68,21 @@ class Landmarks:
         """Return category and distance of the nearest within the limit that is not ruled out."""
         if position is None or not self.ids:
             return None
-        apart = self.position - np.array(position)
-        distance = np.sqrt(np.einsum("ij,ij->i", apart, apart))
-        near = np.flatnonzero(distance <= limit_m)
-        for i in near[np.argsort(distance[near], kind="stable")].tolist():
+        best: tuple[str, float] | None = None
+        for i, place in self._within(position, limit_m):
+            apart = math.dist(position, place)
+            if apart > limit_m or (best is not None and apart >= best[1]):
+                continue
             if self.ids[i] not in not_ids and self.categories[i] not in not_categories:
-                return self.categories[i], float(distance[i])
-        return None
+                best = self.categories[i], apart
+        return best
+
+    def _within(self, position: Position, limit_m: float) -> Iterable[tuple[int, Position]]:
+        """Return those that may be within the limit, by id; all where they are few."""
+        if len(self.ids) <= FEW:  # an array of so few costs more than it saves
+            return enumerate(self.places)
+        apart = np.abs(self._array - np.array(position)).max(axis=1)
+        return [(i, self.places[i]) for i in np.flatnonzero(apart <= limit_m).tolist()]
 
 
 def is_landmark_word(category: str, lexicon: Lexicon, *, or_large: bool = False) -> bool:
@@ -101,7 +117,7 @@ def landmarks(
     return Landmarks(
         tuple(name for name, _, _ in chosen),
         tuple(category for _, category, _ in chosen),
-        np.array([place for _, _, place in chosen], dtype=np.float64).reshape(-1, 3),
+        tuple(place for _, _, place in chosen),
     )
 
 

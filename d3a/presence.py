@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import replace
 
 from d3a.distinct import may_be_one
 from d3a.moments import Entry, Found, Moment, entry_of, single
@@ -133,7 +132,7 @@ def at_its_newest(moment: Moment, found: Found, newest: Mapping[str, Sighting]) 
     if sighting.end_ms <= moment.end_ms:
         return moment
     entries = (entry_of(found, sighting), *moment.entries[1:])
-    return replace(moment, entries=entries, end_ms=sighting.end_ms)
+    return moment._replace(entries=entries, end_ms=sighting.end_ms)
 
 
 def _is_still(entry: Entry, newest: Mapping[str, Sighting]) -> bool:

@@ -11,7 +11,7 @@ import heapq
 import math
 from collections import Counter
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 from d3a.calibration import calibrated, kind_of
 from d3a.model import Json
@@ -31,9 +31,8 @@ AS_LIKELY = 0.98
 """Against the best: nobody is told a difference of so few in a hundred."""
 
 
-@dataclass(frozen=True, slots=True)
-class Ranked:
-    """A moment with its score 0..1.
+class Ranked(NamedTuple):
+    """A moment with its score 0..1. A tuple: there are hundreds of them.
 
     unjudged: how many conditions of the question were left out. product: of the parts that must
     all be true; calibration: the factor from it to the probability of being right. repeat: the
@@ -61,7 +60,7 @@ class Ranked:
             extra["calibration"] = round(self.calibration, 4)
         if self.repeat < 1.0:
             extra["repeat"] = round(self.repeat, 4)
-        return tuple(entry_score(entry)[1] | extra for entry in self.moment.entries)
+        return tuple(entry_parts(entry) | extra for entry in self.moment.entries)
 
 
 def rank(
@@ -71,6 +70,7 @@ def rank(
     spread: bool,
     unjudged: int = 0,
     at_ms: int | None = None,
+    told: int | None = None,
 ) -> list[Ranked]:
     """Return the moments best first.
 
@@ -78,9 +78,10 @@ def rank(
     each object at each place once before any twice; then the rest by score. "usual": by score,
     which holds the share of time. Ties go by start, then by object id and place.
     at_ms: a moment asked for: then time decides by the distance from it, before counts as nearer.
-    unjudged: how many conditions of the question were left out.
+    unjudged: how many conditions of the question were left out. told: so many of them are told at
+    most: of the others only what is new among them need not come first.
     """
-    scored = [_scored(moment, unjudged) for moment in moments]
+    scored = _scored(moments, unjudged)
     scored.sort(key=_by_score)
     if at_ms is not None:
         return _by_time(scored, lambda moment: _distance(moment, at_ms))
@@ -88,7 +89,7 @@ def rank(
         return _by_time(scored, lambda moment: (-moment.end_ms, 0))
     if select == "first":
         return _by_time(scored, lambda moment: (moment.start_ms, 0))
-    return _spread(scored) if spread else scored
+    return _spread(scored, len(scored) if told is None else told) if spread else scored
 
 
 def views_probability(probability: float, views: int) -> float:
@@ -101,6 +102,11 @@ def views_probability(probability: float, views: int) -> float:
 
 def entry_score(entry: Entry) -> tuple[float, Json]:
     """Return how likely one entry is what was asked, 0..1, and the parts of that."""
+    return _of_stay(entry) * _detected(entry), entry_parts(entry)
+
+
+def entry_parts(entry: Entry) -> Json:
+    """Return the parts of how likely one entry is what was asked."""
     candidate, stay = entry.candidate, entry.stay
     why: Json = {
         "match": round(candidate.match, 4),
@@ -113,37 +119,52 @@ def entry_score(entry: Entry) -> tuple[float, Json]:
     if candidate.votes < 1.0:
         why["votes"] = round(candidate.votes, 4)  # it is in the match already
     factors = (("same", candidate.same), ("place", entry.place), ("where", entry.held))
-    why |= {name: round(factor, 4) for name, factor in factors if factor < 1.0}
-    return _worth(entry), why
+    for name, factor in factors:
+        if factor < 1.0:
+            why[name] = round(factor, 4)
+    return why
 
 
-def _worth(entry: Entry) -> float:
-    """Return how likely one entry is what was asked: the product of the parts of `why`."""
-    candidate, stay = entry.candidate, entry.stay
-    views = stay.seen if stay is not None else entry.sighting.seen
-    score = candidate.match * views_probability(entry.sighting.probability, views)
-    for probability in candidate.attributes.values():
-        score *= probability
+def _of_stay(entry: Entry) -> float:
+    """Return the part of the worth that all sightings of one object at one place share."""
+    candidate = entry.candidate
+    score = candidate.match * math.prod(candidate.attributes.values())
     if _is_tentative(entry):
         score *= TENTATIVE
     return score * min(candidate.same, 1.0) * min(entry.place, 1.0) * min(entry.held, 1.0)
+
+
+def _detected(entry: Entry) -> float:
+    views = entry.stay.seen if entry.stay is not None else entry.sighting.seen
+    return views_probability(entry.sighting.probability, views)
 
 
 def _is_tentative(entry: Entry) -> bool:
     return entry.candidate.record.tentative or (entry.stay is not None and entry.stay.tentative)
 
 
-def _scored(moment: Moment, unjudged: int) -> Ranked:
-    product = 1.0
-    for entry in moment.entries:
-        product *= _worth(entry)
-    if moment.relation is not None:
-        product *= moment.relation
-    by_looks = any(entry.candidate.attributes for entry in moment.entries)
-    right = calibrated(product, kind_of(len(moment.entries), by_looks=by_looks))
-    score = right * UNJUDGED**unjudged * (1.0 if moment.share is None else moment.share)
-    factor = right / product if product > 0 else 1.0
-    return Ranked(moment, score, unjudged, calibration=factor, product=product)
+def _scored(moments: Sequence[Moment], unjudged: int) -> list[Ranked]:
+    """Return the moments with their scores; what is one object's at one place is computed once."""
+    shared: dict[tuple[int, int, float, float], float] = {}
+    left_out = UNJUDGED**unjudged
+    out: list[Ranked] = []
+    for moment in moments:
+        product, by_looks = 1.0, False
+        for entry in moment.entries:
+            candidate, stay, _, place, held = entry
+            key = (id(candidate), id(stay), place, held)
+            own = shared.get(key)
+            if own is None:
+                own = shared[key] = _of_stay(entry)
+            product *= own * _detected(entry)
+            by_looks = by_looks or bool(candidate.attributes)
+        if moment.relation is not None:
+            product *= moment.relation
+        right = calibrated(product, kind_of(len(moment.entries), by_looks=by_looks))
+        score = right * left_out * (1.0 if moment.share is None else moment.share)
+        factor = right / product if product > 0 else 1.0
+        out.append(Ranked(moment, score, unjudged, 1.0, factor, product))
+    return out
 
 
 def _by_score(ranked: Ranked) -> tuple[float, int, str, int]:
@@ -159,10 +180,11 @@ def _places(moment: Moment) -> tuple[tuple[str, int], ...]:
     return tuple(entry.sighting.stay for entry in moment.entries)
 
 
-def _spread(scored: Sequence[Ranked]) -> list[Ranked]:
+def _spread(scored: Sequence[Ranked], told: int) -> list[Ranked]:
     """Return what shows something new before what repeats, among those about as likely.
 
     A repeat is not told as likelier than what stands before it, so that the list stays by score.
+    What comes after so many as are told stays as it is.
     """
     if not scored:
         return []
@@ -170,12 +192,14 @@ def _spread(scored: Sequence[Ranked]) -> list[Ranked]:
     likely = [one for one in scored if one.score >= least]
     out: list[Ranked] = []
     for group in (likely, scored[len(likely) :]):
-        for one in _new_first(group):
-            out.append(_at_most(one, out[-1].score if out else 1.0))
+        left = told - len(out)
+        chosen = _new_first(group, left) if left > 0 else group
+        for one in chosen:
+            out.append(_at_most(one, out[-1].score) if out else one)
     return out
 
 
-def _new_first(scored: Sequence[Ranked]) -> list[Ranked]:
+def _new_first(scored: Sequence[Ranked], told: int) -> list[Ranked]:
     """Return things not shown before first, then their other places, then the rest.
 
     Several things in a relation are new as a pair: first pictures that show pairs not shown
@@ -188,6 +212,8 @@ def _new_first(scored: Sequence[Ranked]) -> list[Ranked]:
         chosen = {id(one) for one in out}
         waiting = [one for one in waiting if id(one) not in chosen]
     for key_of in (_ids, _places):
+        if len(out) >= told:
+            return out + waiting
         seen = {key_of(one.moment) for one in out}
         again: list[Ranked] = []
         for one in waiting:
@@ -241,7 +267,7 @@ def _covering(scored: Sequence[Ranked]) -> list[Ranked]:
 def _at_most(one: Ranked, ceiling: float) -> Ranked:
     if one.score <= ceiling:
         return one
-    return replace(one, score=ceiling, repeat=ceiling / one.score)
+    return one._replace(score=ceiling, repeat=ceiling / one.score)
 
 
 def _distance(moment: Moment, at_ms: int) -> tuple[int, int]:

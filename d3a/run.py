@@ -5,16 +5,17 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from datetime import datetime
+from typing import NamedTuple
 
 from d3a.answer import Reason, Status
 from d3a.facts import Facts
 from d3a.match import Candidate, Lexicon, squash
 from d3a.moments import Entry, Found, Moment, single
 from d3a.parameters import Parameters
-from d3a.places import FAR_M, Landmarks
+from d3a.places import FAR_M, Landmarks, room_of, sigma_of
 from d3a.plan import FilterPlace, FindObjects, Rank, Relate, Step, Unite
 from d3a.rank import Ranked
-from d3a.store.base import ObjectRecord, Region, Sighting, StayKey, Store
+from d3a.store.base import ObjectRecord, Region, Sighting, StayKey, StayRecord, Store
 from grammar.forms import ANYTHING, FormalQuery, ObjectTerm
 
 _WORDS = {
@@ -24,6 +25,15 @@ _WORDS = {
     "same_place": "in the same place as",
     "together": "with",
 }
+
+
+class Spot(NamedTuple):
+    """Where a stay was, in words: see the fields of `d3a.answer.RankedKeyframe`."""
+
+    place: str | None = None
+    near: str | None = None
+    vague: str | None = None
+    beyond: tuple[str, float] | None = None
 
 
 @dataclass(slots=True)
@@ -69,7 +79,7 @@ class Run:
     rank_step: Rank | None = None
     plain: dict[str, dict[str, Candidate]] = field(default_factory=dict)
     rooms: dict[str, Region] = field(default_factory=dict)
-    _near: dict[StayKey, tuple[str, float] | None] = field(default_factory=dict)
+    _spots: dict[StayKey, Spot] = field(default_factory=dict)
     _not_landmarks: tuple[frozenset[str], frozenset[str]] | None = None
 
     def region(self, name: str | None) -> Region | None:
@@ -142,25 +152,42 @@ class Run:
         if self.ranked or self.otherwise is not None:
             self.landmarks = self.facts.landmarks(self.lexicon)
 
-    def near(self, entry: Entry) -> tuple[str, float] | None:
+    def spot(self, entry: Entry) -> Spot:
+        """Return where an entry was, as a person is told; worked out once a stay."""
+        if entry.stay is None:
+            return Spot()
+        spot = self._spots.get(entry.stay.key)
+        if spot is None:
+            spot = self._spots[entry.stay.key] = self._spot(entry, entry.stay)
+        return spot
+
+    def _spot(self, entry: Entry, stay: StayRecord) -> Spot:
+        room = room_of(self.facts.regions(), stay.position)
+        landmark = self._near(entry, stay)
+        if landmark is None:
+            return Spot(room)
+        reach, sigma = self.parameters.near_m, sigma_of(stay)
+        if sigma > reach:
+            return Spot(room, vague=landmark[0] if landmark[1] <= sigma else None)
+        near = landmark[1] <= reach
+        return Spot(room, near=landmark[0]) if near else Spot(room, beyond=landmark)
+
+    def _near(self, entry: Entry, stay: StayRecord) -> tuple[str, float] | None:
         """Return the landmark that an entry is told by, as a person spells it, and its distance.
 
         Never the thing itself, nor what it may be confused with: what else the question may
         mean, or is called the same.
         """
-        stay = entry.stay
-        if stay is None or self.landmarks is None:
+        if self.landmarks is None:
             return None
-        if stay.key not in self._near:
-            ids, kinds = self._never_landmarks()
-            own = self.lexicon.canonical(entry.candidate.record.category)
-            self._near[stay.key] = self.landmarks.nearest(
-                stay.position,
-                FAR_M,
-                not_ids={*ids, stay.object_id},
-                not_categories={*kinds, own},
-            )
-        return self._near[stay.key]
+        ids, kinds = self._never_landmarks()
+        own = self.lexicon.canonical(entry.candidate.record.category)
+        return self.landmarks.nearest(
+            stay.position,
+            FAR_M,
+            not_ids={*ids, stay.object_id},
+            not_categories={*kinds, own},
+        )
 
     def _never_landmarks(self) -> tuple[frozenset[str], frozenset[str]]:
         """Return the ids and the categories that the figures of the question may be."""

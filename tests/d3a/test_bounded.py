@@ -12,7 +12,7 @@ from assistant.asking import ask
 from d3a.answer import Answer
 from d3a.facts import Facts
 from d3a.store import open_store, sqlite_newest
-from d3a.store.base import Store
+from d3a.store.base import NativeQuery, Store
 from d3a.store.newest import newest_of
 from tests.worlds import scaled
 from tests.worlds.made import NOW, Home
@@ -62,6 +62,28 @@ def test_a_choice_of_the_newest_is_not_kept_as_all_that_there_is(tmp_path: Path)
         assert len(Facts(store).newest(["c"], 20, None, None)) < 20  # as much of each stay
         assert Facts(store).sightings(["c"], None, None) == every
         assert Facts(store).newest(["c"], 60, None, None) == every
+
+
+def test_of_few_things_all_is_read_once_and_the_same_is_chosen(tmp_path: Path) -> None:
+    home = Home()
+    for name in ("c", "d"):
+        home.thing(name, "cup")
+        for number in range(30):
+            home.seen(name, 10 * number, 10 * number + 5, place=number % 3)
+    with closing(open_store(str(tmp_path / "home.db"))) as store:
+        home.into(store)
+        first = store.sightings()[0].start_ms
+        slices = [(None, None), (first + 900_000, None), (first + 900_000, first + 9_000_000)]
+        wanted = [
+            store.newest(["c", "d"], 12, start_ms=a, end_ms=None if b is None else b - 1)
+            for a, b in slices
+        ]
+        assert Facts(store).newest(["c", "d"], 12, *slices[0]) == wanted[0]
+        asked: list[NativeQuery] = []
+        store.tracing(asked.append)
+        found = [Facts(store).newest(["c", "d"], 12, a, b) for a, b in slices]
+        assert found == wanted
+        assert asked == []
 
 
 @pytest.fixture

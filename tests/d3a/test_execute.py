@@ -455,11 +455,10 @@ def test_what_is_doubtful_is_listed_below_what_is_likely_and_never_alone() -> No
 
 def test_a_relation_of_mere_doubts_is_a_no_about_what_is_likely() -> None:
     home = Home()
-    things: tuple[tuple[str, str | tuple[float, float, float]], ...]
-    things = (("red", "red"), ("rusty", (150.0, 66.0, 38.0)))
-    for number, (name, look) in enumerate(things):
-        home.thing(name, "cup", paint=look)
-        home.seen(name, 10 * number, 10 * number + 5, at=(9.0 * number, 0, 1))
+    home.thing("red", "cup", paint="red")
+    home.seen("red", 0, 5, at=(0, 0, 1))
+    home.thing("rusty", "cup", paint=(150.0, 66.0, 38.0))
+    home.seen("rusty", 10, 15, at=(9, 0, 1))
     for number, paint in enumerate(("green", "blue", "white", "brown", "orange")):
         home.thing(paint, "bowl", paint=paint)
         home.seen(paint, 10, 15, at=(9.0 + number / 10, 0, 1))

@@ -91,7 +91,7 @@ def test_each_object_comes_once_before_its_other_places() -> None:
 
 def pair(a: str, b: str, start: int, frame: str, probability: float = 0.9) -> Moment:
     entries = [moment(name, start, probability=probability).figure for name in (a, b)]
-    framed = [replace(e, sighting=replace(e.sighting, frame=frame)) for e in entries]
+    framed = [e._replace(sighting=replace(e.sighting, frame=frame)) for e in entries]
     return Moment(tuple(framed), start, start + 5, relation=1.0)
 
 
@@ -177,3 +177,13 @@ def test_scores_are_probabilities_and_the_order_is_fixed(
 def test_a_part_of_a_score_is_never_above_one(one: Moment) -> None:
     score, _ = entry_score(one.figure)
     assert 0 <= score <= min(1.0, one.figure.candidate.match + 1e-9)
+
+
+def test_what_is_not_told_needs_no_order_but_keeps_its_place_below() -> None:
+    moments = [moment("a", 0, place=place) for place in range(4)]
+    moments += [moment(name, 0, probability=0.895) for name in "bcdef"]
+    every = rank(moments, "all", spread=True)
+    for told in (1, 3, 6):
+        some = rank(moments, "all", spread=True, told=told)
+        assert some[:told] == every[:told]
+        assert sorted(map(id, (one.moment for one in some))) == sorted(map(id, moments))
