@@ -60,6 +60,9 @@ class Cursor:
     def _last(self) -> str:
         return self.out.tags[-1].type if self.out.tags else ""
 
+    def _first(self) -> str:
+        return self.out.tags[0].type if self.out.tags else ""
+
     def _emit(self, kind: str, value: object, count: int, at: int | None = None) -> None:
         word = self.words[self.i if at is None else at]
         last = self._text(self.i + count - 1)

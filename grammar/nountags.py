@@ -238,6 +238,6 @@ class NounTagger(ClauseTagger):
 
     def _moves(self, k: int) -> bool:
         """Whether the verb at `k` has no object: the dog that went is the thing asked for."""
-        if place_follows(self.words, k + 1) and self.out.tags[0].type != "_WHAT":
+        if place_follows(self.words, k + 1) and self._first() != "_WHAT":
             return True
         return not any(self._noun_phrase_at(j) for j in range(k + 1, min(k + 4, len(self.words))))

@@ -256,8 +256,7 @@ class Tagger(RelationTagger):
         if said == "around" and self._last() in ("LEAVE", "SEE"):
             self.i += size
             return True
-        what = self.out.tags[:1] and self.out.tags[0].type == "_WHAT"
-        if said == "about" and self.i + 1 == len(self.words) and what:
+        if said == "about" and self.i + 1 == len(self.words) and self._first() == "_WHAT":
             return False  # what is the book about
         if said == "home" and self._last() in ("DET", "OWNER"):
             return False

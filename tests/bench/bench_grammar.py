@@ -29,6 +29,7 @@ import click
 
 from grammar import QuestionError, parse
 from tests.bench import processes
+from tests.worlds.vocabulary import vocabulary_words
 
 NOW = datetime.fromisoformat("2020-01-01T18:00:00-05:00")
 NOUNS = [
@@ -167,12 +168,15 @@ def salad(draw: random.Random, words: list[str]) -> str:
     if kind < 0.1:
         return "".join(chr(draw.choice((draw.randint(32, 126), draw.randint(0, 0x2FFF)))) for _ in
                        range(draw.randint(0, 60)))  # fmt: skip
+    if kind < 0.3:
+        return " ".join(draw.choice(words) for _ in range(draw.randint(1, 4)))
     return " ".join(draw.choice(words) for _ in range(draw.randint(1, 14)))
 
 
 def fuzz(count: int, draw: random.Random) -> str:
     """Parse `count` texts; any exception but QuestionError ends the program."""
     pool = [word for text in sentences(400, draw) for word in text.split()]
+    pool += [word for word in vocabulary_words() if len(word) <= 6]
     pool += [
         "?",
         ",",

@@ -19,6 +19,7 @@ from grammar.forms import FormalQuery
 from grammar.reading import QUESTION
 from grammar.tables import declared
 from grammar.words import MAX_CHARACTERS, MAX_WORDS
+from tests.worlds.vocabulary import vocabulary_words
 
 NOW = datetime(2026, 3, 8, 3, 30, tzinfo=ZoneInfo("America/New_York"))
 SAID = {
@@ -177,6 +178,17 @@ def test_twenty_thousand_word_salads() -> None:
     draw = random.Random(3)
     for _ in range(20_000):
         check(" ".join(draw.choice(WORDS) for _ in range(draw.randint(1, 14))))
+
+
+def test_the_vocabulary_alone_and_in_short_salads() -> None:
+    """Few words fit few sayings: what looks back or ahead of them must find nothing there."""
+    known = vocabulary_words()
+    for word in known:
+        check(word)
+    draw = random.Random(4)
+    short = [word for word in known if len(word) <= 6]
+    for _ in range(15_000):
+        check(" ".join(draw.choice(short) for _ in range(draw.randint(2, 4))))
 
 
 @pytest.mark.parametrize(
