@@ -20,6 +20,7 @@ COMMANDS = {
     "ask": "Answer a question with ranked keyframes.",
     "batch": "Answer questions, a line each, from a file or -.",
     "chat": "Open the chat over a store.",
+    "completion": "Let the shell complete commands and the store's words.",
     "config": "Show the settings, and the files they come from.",
     "demo": "Open the chat on a small home that ships with d3a.",
     "doctor": "Check the terminal, the store and the versions; or a recording.",

@@ -71,6 +71,11 @@ def store_was_named(context: click.Context) -> bool:
     return "store" in context.meta.get(_GIVEN, {})
 
 
+def said_so_far(context: click.Context) -> dict[str, Any]:
+    """Return the shared options that stand on the command line, as a shell completes it too."""
+    return dict(context.meta.get(_GIVEN, {}))
+
+
 def settings_of(context: click.Context) -> Settings:
     """Return the settings of this run, flags laid over environment and files.
 

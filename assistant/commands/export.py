@@ -7,6 +7,7 @@ from pathlib import Path
 
 import click
 
+from assistant import completing
 from assistant.exits import ExitCode
 from assistant.options import Failure, now_of, opened, settings_of, settings_options, zone_for
 from assistant.terminal import clean, json_line, speaks_unicode
@@ -23,7 +24,13 @@ SCHEMA = 1
     required=True,
     help="coco: keyframes with boxes; csv: a row a place; recording: to ingest again.",
 )
-@click.option("--what", multiple=True, metavar="THING", help="Only this: an id, a name, cups.")
+@click.option(
+    "--what",
+    multiple=True,
+    metavar="THING",
+    shell_complete=completing.things,
+    help="Only this: an id, a name, cups.",
+)
 @click.option("--json", "as_json", is_flag=True, help="One JSON object about what was written.")
 @settings_options
 @click.pass_context

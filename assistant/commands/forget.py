@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from assistant import completing
 from assistant.config import Settings
 from assistant.exits import ExitCode
 from assistant.options import Failure, now_of, opened, settings_of, settings_options, store_name
@@ -24,8 +25,13 @@ _SHOWN = 40
 
 
 @click.command("forget")
-@click.argument("words", nargs=-1, metavar="[THING]...")
-@click.option("--place", metavar="NAME", help="What lay in this place, and the views from in it.")
+@click.argument("words", nargs=-1, metavar="[THING]...", shell_complete=completing.things)
+@click.option(
+    "--place",
+    metavar="NAME",
+    shell_complete=completing.places,
+    help="What lay in this place, and the views from in it.",
+)
 @click.option("--before", metavar="TIME", help="What was seen before: ISO, or as one says it.")
 @click.option("--after", metavar="TIME", help="What was seen from then on.")
 @click.option("--between", nargs=2, metavar="TIME TIME", help="What was seen in between.")

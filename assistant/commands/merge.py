@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import click
 
+from assistant import completing
 from assistant.options import settings_options
 from assistant.told import carry_out
 
 
 @click.command("merge")
-@click.argument("kept", metavar="ID")
-@click.argument("gone", metavar="SAME")
+@click.argument("kept", metavar="ID", shell_complete=completing.object_ids)
+@click.argument("gone", metavar="SAME", shell_complete=completing.object_ids)
 @click.option("--force", is_flag=True, help="Also where one frame shows both.")
 @click.option("--json", "as_json", is_flag=True, help="The record of it, as JSON.")
 @settings_options

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from assistant import completing
 from assistant.exits import ExitCode
 from assistant.options import opened, settings_of, settings_options, store_name, zone_for
 from assistant.terminal import json_line, speaks_unicode, table
@@ -22,7 +23,13 @@ SCHEMA = 1
 
 @click.command("objects")
 @click.option("--json", "as_json", is_flag=True, help="A JSON object a line.")
-@click.option("--category", "categories", multiple=True, help="Only this one; may be repeated.")
+@click.option(
+    "--category",
+    "categories",
+    multiple=True,
+    shell_complete=completing.categories,
+    help="Only this one; may be repeated.",
+)
 @settings_options
 @click.pass_context
 def command(context: click.Context, as_json: bool, categories: tuple[str, ...]) -> None:

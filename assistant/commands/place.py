@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from assistant import completing
 from assistant.exits import ExitCode
 from assistant.options import opened, settings_of, settings_options
 from assistant.terminal import table
@@ -145,7 +146,7 @@ def _record(region: Region, objects: int) -> Json:
 
 
 @command.command("remove")
-@click.argument("name")
+@click.argument("name", shell_complete=completing.places)
 @json_option
 @settings_options
 @click.pass_context
@@ -157,7 +158,7 @@ def remove(context: click.Context, name: str, as_json: bool) -> None:
 
 
 @command.command("rename")
-@click.argument("name")
+@click.argument("name", shell_complete=completing.places)
 @click.argument("new")
 @json_option
 @settings_options

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import click
 
+from assistant import completing
 from assistant.options import settings_options
 from assistant.told import carry_out
 
 
 @click.command("split")
-@click.argument("object_id", metavar="ID")
+@click.argument("object_id", metavar="ID", shell_complete=completing.object_ids)
 @click.argument("place", type=int)
 @click.option("--json", "as_json", is_flag=True, help="The record of it, as JSON.")
 @settings_options

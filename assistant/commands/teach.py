@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import click
 
+from assistant import completing
 from assistant.options import now_of, settings_of, settings_options
 from assistant.told import carry_out, told_name, told_owner
 
 
 @click.command("teach")
-@click.argument("object_id", metavar="ID")
+@click.argument("object_id", metavar="ID", shell_complete=completing.object_ids)
 @click.argument("name")
 @click.option("--owner", metavar="NAME", help='Whose it is: me, or a name; "Anna\'s keys" says so.')
 @click.option("--remove", is_flag=True, help="It is not called so.")
