@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Generator, Iterable, Iterator
+from contextlib import closing, contextmanager
 from dataclasses import dataclass, field, replace
 from itertools import chain
 from pathlib import Path
@@ -17,6 +17,7 @@ from d3a.detectors.recorded import RecordedDetector
 from d3a.embedders.base import Embedder, HistogramEmbedder
 from d3a.images import HISTOGRAM_MODEL
 from d3a.intake import EVERYTHING, Intake, agree, check_known, placed
+from d3a.jobs import ONE, Jobs, in_jobs
 from d3a.model import BadInput, Frame
 from d3a.parameters import Parameters
 from d3a.preparation import Preparation, Replaces, Stopwatch
@@ -81,6 +82,7 @@ def ingest(
     assignments: Path | None = None,
     intake: Intake = EVERYTHING,
     live: Live = WHOLE,
+    jobs: Jobs = ONE,
 ) -> IngestSummary:
     """Put a recording into the store; run again, it goes on where it was or changes nothing.
 
@@ -89,11 +91,12 @@ def ingest(
     after so many new frames, with the recording left open. assignments: a file to tell what became
     of each detection, a JSON object a line. intake: what of it goes in; a recording that was taken
     in otherwise before is refused.
-    live: for a reader that follows a recording as it grows.
+    live: for a reader that follows a recording as it grows. jobs: where scenes are made; the store
+    is the same.
     Raises BadInput for a recording without frames or detections, StoreError where the store fails
     or was filled with other parameters.
     """
-    run = _Run(reader, store, parameters, detector, embedder, intake, live)
+    run = _Run(reader, store, parameters, detector, embedder, intake, live, jobs)
     return run.go(on_progress, max_frames, assignments)
 
 
@@ -109,8 +112,11 @@ class _Run:
         embedder: Embedder | None,
         intake: Intake,
         live: Live,
+        jobs: Jobs,
     ) -> None:
         self._live = live
+        self._jobs = jobs
+        self._left_out: Skipped | None = None  # by the reader, up to the frame that is taken
         self._reader = reader
         self._store = store
         self._parameters = parameters
@@ -139,7 +145,9 @@ class _Run:
         frames, associator = self._begin()
         had = associator.record
         log = AssignmentLog.open(assignments, associator.consumed, had.frames > 0)
-        stopped = self._take_all(frames, associator, log, on_progress, max_frames)
+        with closing(self._readied(self._sifted(frames, associator))) as readied:
+            stopped = self._take_all(readied, associator, log, on_progress, max_frames)
+        self._left_out = None
         if not stopped and (self._frames > 0 or not had.done):
             if associator.has_news():
                 self._checkpoint(associator, log)
@@ -178,7 +186,7 @@ class _Run:
 
     def _take_all(
         self,
-        frames: Iterator[Frame | None],
+        readied: Iterable[Ready | None],
         associator: Associator,
         log: AssignmentLog,
         on_progress: Progress | None,
@@ -190,7 +198,7 @@ class _Run:
         """
         each, marked = self._parameters.checkpoint_frames, associator.consumed
         pulse, written = _Pulse(self._live), 0
-        for ready in one_by_one(self._sifted(frames, associator), self._preparation):
+        for ready in readied:
             if ready is not None:
                 self._take(ready, associator, log)
                 if ready.prepared is None:
@@ -210,6 +218,13 @@ class _Run:
         if stopped and self._frames > written:
             self._checkpoint(associator, log)
         return stopped
+
+    def _readied(self, sifted: Iterator[Sifted | None]) -> Generator[Ready | None]:
+        if self._jobs.is_here:
+            return one_by_one(sifted, self._preparation)
+        return in_jobs(
+            sifted, self._preparation, self._stopwatch, lambda: self._reader.skipped, self._jobs
+        )
 
     def _sifted(
         self, frames: Iterator[Frame | None], associator: Associator
@@ -255,6 +270,7 @@ class _Run:
         if prepared is not None and associator.has_news():
             self._checkpoint(associator, log)
         associator.consumed = sifted.number + 1
+        self._left_out = ready.reader_skipped
         if sifted.why is not None:
             associator.skipped.add(sifted.why, sifted.frame.name)
         if prepared is None:
@@ -273,7 +289,7 @@ class _Run:
         log.events(associator.take_events())
         log.mark(associator.consumed)
         with self._stopwatch.stage("store"):
-            associator.checkpoint(self._reader.skipped, done=done)
+            associator.checkpoint(self._left_out or self._reader.skipped, done=done)
 
     def _summary(self, associator: Associator, had_frames: int) -> IngestSummary:
         skipped = Skipped(dict(self._reader.skipped.counts), dict(self._reader.skipped.examples))

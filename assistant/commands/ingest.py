@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from d3a.embedders.base import Embedder
     from d3a.ingest import IngestSummary
     from d3a.intake import Intake
+    from d3a.jobs import Backend
     from d3a.parameters import Parameters
     from d3a.readers.base import Reader
     from d3a.store.base import Store
@@ -48,6 +49,8 @@ class Wishes:
     max_frames: int | None = None
     assignments: Path | None = None
     looking: Looking = field(default_factory=Looking)
+    jobs: int = 1
+    backend: Backend = "processes"
 
 
 @click.command("ingest")
@@ -87,6 +90,16 @@ class Wishes:
     "--assignments",
     type=click.Path(dir_okay=False, path_type=Path),
     help="Write which object each detection became, a JSON object a line.",
+)
+@click.option(
+    "--jobs", type=click.IntRange(min=1), default=1, help="Make frames ready in so many processes."
+)
+@click.option(
+    "--backend",
+    type=click.Choice(["processes", "dask", "ray"]),
+    default="processes",
+    show_default=True,
+    help="Whose processes these are; a dask cluster by DASK_SCHEDULER_ADDRESS, else a local one.",
 )
 @click.option("--json", "as_json", is_flag=True, help="The summary as one JSON object.")
 @settings_options
@@ -213,6 +226,7 @@ class _Run:
 
     def _take(self, reader: Reader, store: Store) -> IngestSummary:
         from d3a.ingest import ingest
+        from d3a.jobs import Jobs
 
         wishes, quiet = self._wishes, bool(self._settings.quiet)
         if not quiet:
@@ -231,6 +245,7 @@ class _Run:
                 max_frames=wishes.max_frames,
                 assignments=wishes.assignments,
                 intake=intake,
+                jobs=Jobs(wishes.jobs, wishes.backend),
             )
         if not summary.already:
             self._name_unused(intake, summary)

@@ -178,3 +178,16 @@ def test_the_pace_is_that_of_this_run() -> None:
 )
 def test_a_duration_is_said(seconds: float, said: str) -> None:
     assert duration(seconds) == said
+
+
+def test_many_recordings_in_jobs_fill_the_store_of_one_process(run: Run, tmp_path: Path) -> None:
+    names = [str(later(tmp_path / f"r{n}", str(2022 - n))) for n in range(3)]
+    dumps = []
+    for args in ((), ("--jobs", "2")):
+        assert run(*names, *args, "-q").exit_code == 0
+        with closing(open_store("s.db", create=False)) as store:
+            dumps.append(list(store.dump()))
+        (tmp_path / "s.db").unlink()
+    assert dumps[0] == dumps[1]
+    recordings = [each for each in dumps[0] if each["kind"] == "recording"]
+    assert len(recordings) == 3

@@ -153,13 +153,8 @@ def test_a_growing_recording_fills_the_store_of_a_plain_ingest(tmp_path: Path, o
 def test_it_is_stopped_and_goes_on(tmp_path: Path, stop_after: int) -> None:
     whole, folder = growing(tmp_path)
     acts = acts_of("frame first", whole, folder)
-    store, script = OracleStore(), None
-
-    def stop() -> None:
-        assert script is not None
-        script.stopped = True
-
-    script = Script([*acts[:stop_after], stop])
+    store = OracleStore()
+    script = Script([*acts[:stop_after], lambda: setattr(script, "stopped", True)])
     watched(folder, script, store)
     assert not any(record.done for record in store.recordings())
     had = sum(record.frames for record in store.recordings())
@@ -226,7 +221,8 @@ def test_embeddings_that_are_written_after_their_row_are_waited_for(tmp_path: Pa
 
 def test_a_recording_is_waited_for_until_it_is_there(tmp_path: Path) -> None:
     whole, folder = as_recording(tmp_path / "whole"), tmp_path / "later"
-    store, notes = OracleStore(), []
+    store = OracleStore()
+    notes: list[str] = []
 
     def appear() -> None:
         shutil.copytree(whole, folder)
