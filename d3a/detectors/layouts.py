@@ -146,8 +146,13 @@ def recognise(
         *_of_one(outputs, tables, size, classes),
     ]
     fitting = [reading for reading in found if said in (None, reading.layout.name)]
+    if not fitting and found:
+        raise BadInput(
+            f"the model's output {_shapes(outputs)} has not the layout {said!r} with {classes} "
+            f"classes; it would be {found[0].layout.name}"
+        )
     if not fitting:
-        raise BadInput(_unknown(outputs, tables, classes, said))
+        raise BadInput(_unknown(outputs, tables, classes))
     first, names = fitting[0], [reading.layout.name for reading in fitting]
     if "end2end" in names and first.layout.name != "end2end":  # nothing grey tells these apart
         raise BadInput(
@@ -241,7 +246,7 @@ def _shapes(outputs: Outputs) -> str:
     return " and ".join(shape_text(each.shape) for each in outputs)
 
 
-def _unknown(outputs: Outputs, tables: Sequence[int], classes: int, said: str | None) -> str:
+def _unknown(outputs: Outputs, tables: Sequence[int], classes: int) -> str:
     """Return what was found, what would do, and for how many classes it would be something."""
     widths = sorted({min(outputs[number].shape[1:]) for number in tables})
     near = [
@@ -250,10 +255,9 @@ def _unknown(outputs: Outputs, tables: Sequence[int], classes: int, said: str | 
         for width in widths
         if width > 6
     ]
-    wanted = "no known layout" if said is None else f"not the layout {said!r}"
     hint = f" {'; '.join(near)}: is the list of classes the right one?" if near else ""
     return (
-        f"the model's output {_shapes(outputs)} has {wanted} with {classes} classes. A candidate "
-        f"needs {classes + 4} numbers (yolo8), {classes + 5} (yolo5, yolox) or 6 (end2end); or "
+        f"the model's output {_shapes(outputs)} has no known layout with {classes} classes. "
+        f"A candidate needs {classes + 4} numbers (yolo8), {classes + 5} (yolo5, yolox) or 6 (end2end); or "
         f"one output has 4 and another {classes} (rtdetr) or {classes + 1} (detr).{hint}"
     )

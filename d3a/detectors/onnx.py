@@ -145,6 +145,7 @@ class OnnxDetector:
 
     def __init__(self, path: Path, given: Mapping[str, str] | None = None) -> None:
         """Load a model; see DETECTOR_OPTIONS. Raises BadInput as `Network` and `recognise`."""
+        self._given = dict(given or {})
         options = Options(
             path, given, known=DETECTOR_OPTIONS, reader=f"the detector {path.name}", common={}
         )
@@ -166,6 +167,10 @@ class OnnxDetector:
         details = (self._feeding, layout.name, self._threshold, self._overlap, self._names)
         self.identity = f"{path.name} {self._network.fingerprint(*details)}"
         """The file and its settings, so that a recording is not looked at in two ways."""
+
+    def __reduce__(self) -> tuple[object, ...]:
+        """Load the model anew in another process: OpenCV's networks cannot be sent there."""
+        return OnnxDetector, (self._network.path, self._given)
 
     def __str__(self) -> str:
         height, width = self._feeding.size

@@ -41,6 +41,7 @@ class _Plugin:
     """A detector of another package: its mistakes become sentences."""
 
     def __init__(self, entry: str, made: Any, options: Mapping[str, str]) -> None:
+        self._opened = (entry, dict(options))
         self._what = f"the detector {entry!r}"
         self._made = made
         if not callable(getattr(made, "detect", None)):
@@ -52,6 +53,10 @@ class _Plugin:
         said = json.dumps(options, sort_keys=True, ensure_ascii=False)
         version = plugins.version_of(plugins.DETECTORS, entry)
         self.identity = " ".join(filter(None, (entry, version, said if options else "")))
+
+    def __reduce__(self) -> tuple[object, ...]:
+        """Make the plug-in anew in another process, where its parts may not be sent."""
+        return open_detector, self._opened
 
     def __str__(self) -> str:
         return f"{self.identity}: {len(self.classes) or 'unknown'} classes"

@@ -29,6 +29,7 @@ class OnnxEmbedder:
 
     def __init__(self, path: Path, given: Mapping[str, str] | None = None) -> None:
         """Load a model; see EMBEDDER_OPTIONS. Raises BadInput as `Network`."""
+        self._given = dict(given or {})
         options = Options(
             path, given, known=EMBEDDER_OPTIONS, reader=f"the embedder {path.name}", common={}
         )
@@ -41,6 +42,10 @@ class OnnxEmbedder:
         self._output = names.index(output)
         self.name = f"{path.stem}-{self._network.fingerprint(self._feeding, output)}"
         (self._length,) = self._vectors([self._feeding.grey()]).shape[1:]
+
+    def __reduce__(self) -> tuple[object, ...]:
+        """Load the model anew in another process: OpenCV's networks cannot be sent there."""
+        return OnnxEmbedder, (self._network.path, self._given)
 
     def __str__(self) -> str:
         height, width = self._feeding.size

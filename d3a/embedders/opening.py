@@ -35,15 +35,18 @@ def open_embedder(name: str, options: Mapping[str, str] | None = None) -> Embedd
         from d3a.embedders.onnx import OnnxEmbedder
 
         return WithColours(OnnxEmbedder(Path(name), given))
-    made = plugins.load(plugins.EMBEDDERS, name, given, BUILT_IN)
-    return WithColours(_Plugin(name, made))
+    return WithColours(_plugin(name, given))
+
+
+def _plugin(entry: str, options: Mapping[str, str]) -> _Plugin:
+    return _Plugin(entry, plugins.load(plugins.EMBEDDERS, entry, options, BUILT_IN), options)
 
 
 class _Plugin:
     """An embedder of another package: its mistakes become sentences."""
 
-    def __init__(self, entry: str, made: Any) -> None:
-        self._entry = entry
+    def __init__(self, entry: str, made: Any, options: Mapping[str, str]) -> None:
+        self._entry, self._options = entry, dict(options)
         self._made = made
         self.name = clean_text(str(getattr(made, "name", "")))
         if not callable(getattr(made, "embed", None)):
@@ -54,6 +57,10 @@ class _Plugin:
             raise BadInput(
                 f"the embedder {entry!r} calls itself {self.name!r}, which is a histogram's name"
             )
+
+    def __reduce__(self) -> tuple[object, ...]:
+        """Make the plug-in anew in another process, where its parts may not be sent."""
+        return _plugin, (self._entry, self._options)
 
     def __str__(self) -> str:
         return self.name

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import pickle
 from collections.abc import Sequence
 from dataclasses import replace
 from datetime import UTC, datetime
@@ -20,6 +21,7 @@ from d3a.detectors.base import Detector
 from d3a.detectors.opening import open_detector
 from d3a.embedders.base import CARRIED_LENGTH, Embedder, HistogramEmbedder, WithColours
 from d3a.embedders.opening import open_embedder
+from d3a.exporting import export
 from d3a.images import HISTOGRAM_MODEL, Pixels
 from d3a.ingest import IngestSummary, ingest
 from d3a.model import BadInput, D3AError, Detection, Frame
@@ -193,6 +195,24 @@ def test_an_embedder_compares_looks_and_colours_can_still_be_asked(tmp_path: Pat
     plain = ingested(pictured([BOTH] * 6), looker(tmp_path))[1]
     told = asked(plain, "Where is the red cup?").keyframes[0].why["attributes"]["red"]
     assert red.keyframes[0].why["attributes"]["red"] == pytest.approx(told, abs=0.02)
+
+
+def test_an_embedder_can_be_sent_to_another_process(tmp_path: Path) -> None:
+    embedder = open_embedder(str(mean_colour(tmp_path / "look.onnx")), {"pixels": "rgb-1"})
+    sent = pickle.loads(pickle.dumps(embedder))
+    assert sent.name == embedder.name
+    assert np.array_equal(sent.embed([scene(CUP)]), embedder.embed([scene(CUP)]))
+
+
+def test_an_export_keeps_the_colours(tmp_path: Path) -> None:
+    embedder = open_embedder(str(mean_colour(tmp_path / "look.onnx")))
+    store = ingested(pictured([BOTH] * 6), looker(tmp_path), embedder)[1]
+    export(store, tmp_path / "out", "recording", ids=None, zone=UTC)
+    again = OracleStore()
+    ingest(open_source(tmp_path / "out"), again, DEFAULT)
+    assert again.meta("embedding_model") == embedder.name
+    answer = asked(again, "Where is the red cup?")
+    assert (answer.status, answer.unjudged) == ("found", ())
 
 
 def test_what_is_carried_does_not_count_in_a_comparison(tmp_path: Path) -> None:

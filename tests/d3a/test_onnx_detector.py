@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 from pathlib import Path
 
 import numpy as np
@@ -125,7 +126,7 @@ def test_an_open_size_is_said_and_a_fixed_one_is_kept(tmp_path: Path) -> None:
     [
         ({"lay": "yolo8"}, "has no option 'lay'. Did you mean layout"),
         ({"layout": "yolo9"}, "it takes yolo8, yolo5"),
-        ({"layout": "yolox"}, "has not the layout 'yolox' with 3 classes"),
+        ({"layout": "yolox"}, "has not the layout 'yolox' with 3 classes; it would be yolo8"),
         ({"threshold": "2"}, "must be at most 1"),
         ({"threshold": "0"}, "must be above 0"),
         ({"threshold": "high"}, "is not a number"),
@@ -274,6 +275,14 @@ def test_a_model_and_its_settings_are_told_apart(tmp_path: Path) -> None:
     one, same, other = detector(path), detector(path), detector(path, threshold="0.3")
     assert one.identity == same.identity != other.identity
     assert one.identity.startswith("m.onnx ")
+
+
+def test_a_detector_can_be_sent_to_another_process(tmp_path: Path) -> None:
+    found = detector(finder(tmp_path / "m.onnx", names=NAMES), threshold="0.3")
+    sent = pickle.loads(pickle.dumps(found))
+    assert sent.identity == found.identity
+    pixels = scene({(1, 1): "cup"})
+    assert sent.detect(Frame("f", 0), pixels) == found.detect(Frame("f", 0), pixels)
 
 
 def recorded(shared: Path, every: int) -> list[Frame]:

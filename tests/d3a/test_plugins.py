@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 import sys
 from pathlib import Path
 
@@ -146,6 +147,14 @@ def test_an_embedder_of_another_package_carries_the_colours_too(site: Path) -> N
     assert vectors.shape == (2, 3 + 512)
     assert np.linalg.norm(vectors[0]) == pytest.approx(1, abs=1e-3)
     assert vectors[0, :3] == pytest.approx(np.array([220, 30, 30]) / 224.05, abs=1e-3)
+
+
+def test_plug_ins_can_be_sent_to_another_process(site: Path) -> None:
+    detector = pickle.loads(pickle.dumps(open_detector("red", {"least": "50"})))
+    assert detector.identity == 'red d3a-red 1.2 {"least": "50"}'
+    assert len(detector.detect(Frame("f", 0), scene({(1, 1): "cup"}))) == 1
+    embedder = pickle.loads(pickle.dumps(open_embedder("mean")))
+    assert embedder.embed([scene({})]).shape == (1, 3 + 512)
 
 
 def test_nothing_is_imported_before_it_is_asked_for(site: Path) -> None:
