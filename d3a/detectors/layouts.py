@@ -258,6 +258,7 @@ def _unknown(outputs: Outputs, tables: Sequence[int], classes: int) -> str:
     hint = f" {'; '.join(near)}: is the list of classes the right one?" if near else ""
     return (
         f"the model's output {_shapes(outputs)} has no known layout with {classes} classes. "
-        f"A candidate needs {classes + 4} numbers (yolo8), {classes + 5} (yolo5, yolox) or 6 (end2end); or "
-        f"one output has 4 and another {classes} (rtdetr) or {classes + 1} (detr).{hint}"
+        f"A candidate needs {classes + 4} numbers (yolo8), {classes + 5} (yolo5, yolox) or 6 "
+        f"(end2end); or one output has 4 and another {classes} (rtdetr) or {classes + 1} (detr)."
+        f"{hint}"
     )
