@@ -254,15 +254,15 @@ class _Whole:
     def __init__(self, lib: Any, paths: list[Path]) -> None:
         self._lib = lib
         self._paths = paths
+        stores = lib.stores
+        is_ros2 = paths[0].suffix != ".bag"
+        self._usual = lib.typestore(stores.ROS2_HUMBLE if is_ros2 else stores.ROS1_NOETIC)
         self._found: list[tuple[str, str, int]] = []
         self.name = paths[0].name
         self.types: Mapping[str, Any] = {}
 
     def _reader(self) -> Any:
-        stores = self._lib.stores
-        is_ros2 = self._paths[0].suffix != ".bag"
-        usual = stores.ROS2_HUMBLE if is_ros2 else stores.ROS1_NOETIC
-        return self._lib.reader(self._paths, default_typestore=self._lib.typestore(usual))
+        return self._lib.reader(self._paths, default_typestore=self._usual)
 
     def look(self) -> None:
         """Read what topics there are; EOFError for a database that has lost its end."""

@@ -17,7 +17,7 @@ import numpy as np
 
 from d3a.model import BadInput, Pose
 from d3a.readers.base import Link, Skipped
-from d3a.readers.ros_tf import OPTICAL, Edge, Samples, Tree, composed
+from d3a.readers.ros_tf import OPTICAL, Edge, Reach, Samples, Tree, composed
 from d3a.readers.ros_topics import Looked, frame_id_of
 from d3a.readers.tracks import BROKEN_POSE
 
@@ -112,13 +112,13 @@ class Way:
     body: int = 0
     notes: tuple[str, ...] = ()
 
-    def at(self, time_ns: int, gap_ns: float) -> Pose | None:
+    def at(self, time_ns: int, reach: Reach) -> Pose | None:
         """Return the camera's pose at a time, None where a link has nothing near."""
         pose, body = Pose((0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0)), None
         for number, edge in enumerate(self.edges):
             if number == self.body:
                 body = pose
-            step = edge.at(time_ns, gap_ns)
+            step = edge.at(time_ns, reach)
             if step is None:
                 return None
             pose = composed(pose, step)
@@ -130,10 +130,10 @@ class Way:
             return pose
         return Pose(pose.position, pose.quaternion, moved(covariance, body, pose))
 
-    def missing(self, time_ns: int, gap_ns: float) -> str:
+    def missing(self, time_ns: int, reach: Reach) -> str:
         """Return the link that has nothing near a time."""
         for edge in self.edges:
-            if edge.at(time_ns, gap_ns) is None:
+            if edge.at(time_ns, reach) is None:
                 return f"{edge.parent} -> {edge.child}"
         return ""
 

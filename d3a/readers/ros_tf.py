@@ -19,6 +19,20 @@ OPTICAL = Pose((0.0, 0.0, 0.0), (-0.5, 0.5, -0.5, 0.5))
 """A camera's optical frame (x right, y down, z ahead) in a body's (x ahead, y left, z up)."""
 MOST_ASIDE = 100_000
 """Samples of links that lead not to the camera are let go from this many on."""
+
+
+@dataclass(frozen=True, slots=True)
+class Reach:
+    """How far transforms reach in time, nanoseconds.
+
+    between_ns: two that are so near may be interpolated. beyond_ns: so long one holds where no
+    other is near; a robot at 1 m/s is then as many metres on.
+    """
+
+    between_ns: float
+    beyond_ns: float
+
+
 Seven = Sequence[float]
 """x y z in metres, and the quaternion x y z w."""
 
@@ -76,22 +90,25 @@ class Samples:
         self._times.append(time_ns)
         self._values.extend(values)
 
-    def at(self, time_ns: int, gap_ns: float) -> Pose | None:
-        """Return the transform at a time: between the two around it where both are near enough.
+    def at(self, time_ns: int, reach: Reach) -> Pose | None:
+        """Return the transform at a time: between the two around it where they are near enough.
 
-        Else the nearest, which stands still for that long; None where it is farther off.
+        Else the nearest, which holds for a while; None where it is farther off.
         """
         self._sort()
         after = bisect_left(self._times, time_ns)
         if after < len(self._times) and self._times[after] == time_ns:
             return self._pose(after)
         near = [i for i in (after - 1, after) if 0 <= i < len(self._times)]
-        near = [i for i in near if abs(self._times[i] - time_ns) <= gap_ns]
         if len(near) == 2:
             before_ns, after_ns = self._times[after - 1], self._times[after]
-            share = (time_ns - before_ns) / (after_ns - before_ns)
-            return between(self._pose(after - 1), self._pose(after), share)
-        return self._pose(near[0]) if near else None
+            if after_ns - before_ns <= reach.between_ns:
+                share = (time_ns - before_ns) / (after_ns - before_ns)
+                return between(self._pose(after - 1), self._pose(after), share)
+        near = [i for i in near if abs(self._times[i] - time_ns) <= reach.beyond_ns]
+        if not near:
+            return None
+        return self._pose(min(near, key=lambda i: abs(self._times[i] - time_ns)))
 
     def _pose(self, number: int) -> Pose:
         x, y, z, qx, qy, qz, qw = self._values[7 * number : 7 * number + 7]
@@ -118,9 +135,9 @@ class Edge:
     fixed: Pose | None = None
     count: int = 0
 
-    def at(self, time_ns: int, gap_ns: float) -> Pose | None:
+    def at(self, time_ns: int, reach: Reach) -> Pose | None:
         """Return the child in its parent at a time, None where nothing near says it."""
-        return self.fixed if self.fixed is not None else self.samples.at(time_ns, gap_ns)
+        return self.fixed if self.fixed is not None else self.samples.at(time_ns, reach)
 
 
 class Tree:

@@ -78,9 +78,10 @@ def told(given: Mapping[str, str], bag: Bag) -> dict[str, str]:
 
 
 def _absent(role: str, name: str, bag: Bag) -> str:
-    near = difflib.get_close_matches(name, bag.topics, n=1)
+    fitting = [topic.name for topic in bag.topics.values() if topic.type in TYPES[role]]
+    near = difflib.get_close_matches(name, fitting, n=1, cutoff=0.5)
     hint = f" Did you mean {near[0]}?" if near else ""
-    return f"the bag has no topic {name!r}.{hint}{_fitting(role, bag)}"
+    return f"the bag has no topic {name!r}{_fitting(role, bag)}.{hint}"
 
 
 def _fitting(role: str, bag: Bag) -> str:

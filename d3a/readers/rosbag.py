@@ -33,10 +33,12 @@ from d3a.readers.ros_index import (
 )
 from d3a.readers.ros_map import floor_of
 from d3a.readers.ros_poses import MAP, PoseTopic, Way, find_way, links_of, mount_of
-from d3a.readers.ros_tf import IDENTITY
+from d3a.readers.ros_tf import IDENTITY, Reach
 from d3a.readers.ros_topics import Choice, Looked, frame_id_of, is_rectified
+from d3a.readers.tracks import Track, read_track
 
-POSE_GAP_S = 0.5
+POSE_GAP_S, POSE_HOLD_S = 1.5, 0.1
+"""Robots tell their pose ten times a second and more, and corrections of the map each second."""
 PAIR_GAP_S = 0.02
 """Of depth and boxes to their picture; drivers and detectors give them the picture's own time."""
 UNIX_FROM_NS = 10**17
@@ -46,7 +48,9 @@ OPTIONS = {
     "topic.": "NAME=TOPIC by --topic: image, depth, camera-info, pose, detections, map, classes",
     "stamps": "header (the usual), or receive: the times when the recorder got the messages",
     "start": "ISO time that stamps from an unknown start count from",
-    "pose-gap": "SECONDS to the nearest transform that still counts (0.5)",
+    "poses": "FILE of the camera's poses instead of tf: time x y z qx qy qz qw",
+    "pose-gap": "SECONDS between two transforms that may be interpolated (1.5)",
+    "pose-hold": "SECONDS that a transform holds where no other is near (0.1)",
     "pair-gap": "SECONDS from a picture to its depth and its boxes (0.02)",
     "map-frame": "coordinate frame that places are told in (map)",
     "pose-of": "coordinate frame whose pose the pose topic tells",
@@ -85,7 +89,13 @@ class RosbagReader:
                 f"boxes (vision_msgs Detection2DArray); it has {_listed(self._bag)}"
             )
         self._main = main
-        self._gap_ns = options.positive("pose-gap", POSE_GAP_S) * 1e9
+        self._reach = Reach(
+            options.positive("pose-gap", POSE_GAP_S) * 1e9,
+            options.positive("pose-hold", POSE_HOLD_S) * 1e9,
+        )
+        self._poses_file = options.file("poses")
+        self._clock = options.clock()
+        self._track: Track | None = None
         self._pair_ns = options.positive("pair-gap", PAIR_GAP_S) * 1e9
         self._lens = Lens.of(options) if options.text("camera") else None
         self._stamps, undated = self._stamps_of(options)
@@ -161,6 +171,8 @@ class RosbagReader:
         return list(dict.fromkeys(e.frame_id for e in told if e is not None and e.frame_id))
 
     def _found_way(self, options: Options) -> Way | str:
+        if self._poses_file is not None:
+            return f"poses are those of {self._poses_file.name}"
         way = find_way(
             self._index.tree,
             self._index.poses,
@@ -219,6 +231,8 @@ class RosbagReader:
     def __iter__(self) -> Iterator[Frame]:
         """Yield a frame for each picture; the ingest counts those that go back in time."""
         self.skipped = self._fresh()
+        if self._poses_file is not None:
+            self._track = read_track(self._poses_file, self._clock, self.skipped)
         times = self._index.times[self._main.topic.name]
         depths, boxes = self._followers()
         has_boxes = self._choice.detections is not None
@@ -263,15 +277,21 @@ class RosbagReader:
         return depths, boxes
 
     def _pose(self, time_ns: int, name: str) -> Pose | None:
+        """Return the camera's pose; a frame that has none, where there are any, is counted."""
+        if self._track is not None:
+            held = self._track.at(time_ms_of(time_ns), self._reach.between_ns / 2e6)
+            if held is None:
+                self.skipped.add(beside.NO_POSE, name)
+            return held
         if isinstance(self._way, str):
             return None
         try:
-            pose = self._way.at(time_ns, self._gap_ns)
+            pose = self._way.at(time_ns, self._reach)
         except BadInput as error:
             self.skipped.add(NO_WAY, f"{name} ({error})")
             return None
         if pose is None:
-            self.skipped.add(NO_WAY, f"{name} ({self._way.missing(time_ns, self._gap_ns)})")
+            self.skipped.add(NO_WAY, f"{name} ({self._way.missing(time_ns, self._reach)})")
         return pose
 
     def _image(self, message: Message, name: str) -> tuple[Image | None, tuple[int, int] | None]:
@@ -334,9 +354,7 @@ class RosbagReader:
 
     def _seen_from(self, frame_id: str, pose: Pose | None) -> Pose | None:
         """Return where boxes are seen from, if their frame is the camera's, or the map."""
-        if isinstance(self._way, str):
-            return None
-        if frame_id == self._way.top:
+        if not isinstance(self._way, str) and frame_id == self._way.top:
             return IDENTITY
         return pose if frame_id in self._frame_ids() else None
 

@@ -16,6 +16,7 @@ from d3a.floor_map import FREE, OCCUPIED, UNKNOWN, stored_map
 from d3a.ingest import IngestSummary, ingest
 from d3a.model import BadInput, Pose
 from d3a.parameters import DEFAULT, PAPER, Parameters
+from d3a.readers.beside import NO_POSE
 from d3a.readers.opening import open_source
 from d3a.readers.recording import BROKEN_MAP
 from d3a.readers.ros_index import NO_STAMP
@@ -26,7 +27,7 @@ from d3a.teaching import put_map
 pytest.importorskip("rosbags", reason="rosbags is not installed: pip install 'd3a[ros]'")
 
 from tests.worlds.bags import BOXES, COLOUR, DEPTH, KINDS, Said, World, as_bag, moved, put, without
-from tests.worlds.folders import as_recording, dumped, found, moments
+from tests.worlds.folders import as_recording, dumped, found, moments, pose_lines
 from tests.worlds.oracle import OracleStore
 
 NAMED = {"name": "same", "site": "lab"}
@@ -211,6 +212,21 @@ def test_the_map_of_a_recording_folder_is_kept_unless_the_store_has_one(tmp_path
     assert reader.facts.map is None
     assert len(list(reader)) == 8
     assert reader.skipped.counts == {BROKEN_MAP: 1}
+
+
+def test_poses_of_a_table_go_before_those_of_tf(tmp_path: Path) -> None:
+    bag = World("mcap").write_changed(tmp_path / "b", without("/tf"))
+    table = tmp_path / "track.txt"
+    table.write_text(pose_lines())
+    reader = open_source(bag, options={"poses": str(table)})
+    for frame, moment in zip(reader, moments(), strict=True):
+        assert frame.pose is not None
+        assert frame.pose.position == moment.pose[:3]
+    assert reader.skipped.counts == {}
+    table.write_text(pose_lines().replace(moments()[0].seconds, "1500000000"))
+    strict = open_source(bag, options={"poses": str(table), "pose-gap": "0.4"})
+    assert [frame.pose is None for frame in strict] == [True] + [False] * 7
+    assert strict.skipped.counts == {NO_POSE: 1}
 
 
 def test_without_the_extra_it_says_what_to_install(

@@ -181,7 +181,7 @@ def test_a_gap_in_tf_costs_the_poses_of_that_time(tmp_path: Path) -> None:
         tmp_path / "b",
         lambda said: None if said.topic == "/tf" and first <= said.time_ms <= last else said,
     )
-    reader = open_source(bag, options={"pose-gap": "0.6"})
+    reader = open_source(bag, options={"pose-hold": "0.6"})
     assert [f.pose is None for f in reader] == [False] * 3 + [True, True] + [False] * 3
     assert reader.skipped.counts == {NO_WAY: 2}
     assert "(map -> odom)" in reader.skipped.examples[NO_WAY][0]

@@ -13,9 +13,10 @@ from d3a.model import BadInput, Pose
 from d3a.readers import ros_tf
 from d3a.readers.base import Link
 from d3a.readers.ros_poses import PoseTopic, Way, covariance_of, find_way, mount_of, moved
-from d3a.readers.ros_tf import OPTICAL, Samples, Tree, composed
+from d3a.readers.ros_tf import OPTICAL, Reach, Samples, Tree, composed
 
 SECOND = 10**9
+REACH = Reach(1.2 * SECOND, 0.5 * SECOND)
 Q90 = (0.0, 0.0, math.sin(math.pi / 4), math.cos(math.pi / 4))
 
 
@@ -47,7 +48,7 @@ def test_between_two_samples_the_turn_runs_on_the_sphere() -> None:
     samples = Samples()
     for time_ns, pose in ((SECOND, at(1, turn=Q90)), (0, at(0))):  # in any order
         samples.add(time_ns, (*pose.position, *pose.quaternion))
-    quarter = samples.at(SECOND // 4, SECOND)
+    quarter = samples.at(SECOND // 4, REACH)
     assert quarter is not None
     assert quarter.position == pytest.approx((0.25, 0, 0))
     angle = 2 * math.atan2(quarter.quaternion[2], quarter.quaternion[3])
@@ -58,10 +59,11 @@ def test_beyond_the_gap_nothing_is_said() -> None:
     samples = Samples()
     for time_ns in (0, SECOND, 5 * SECOND):
         samples.add(time_ns, (time_ns / SECOND, 0, 0, 0, 0, 0, 1))
-    found = {t: samples.at(int(t * SECOND), 0.5 * SECOND) for t in (-0.6, -0.5, 1.4, 2, 4.5, 5.6)}
+    found = {t: samples.at(int(t * SECOND), REACH) for t in (-0.6, -0.5, 0.3, 1.4, 2, 4.5, 5.6)}
     assert {t: None if p is None else p.position[0] for t, p in found.items()} == {
         -0.6: None,
         -0.5: 0.0,  # it stands still for that long, and goes nowhere it was not seen to go
+        0.3: pytest.approx(0.3),
         1.4: 1.0,
         2: None,
         4.5: 5.0,
@@ -73,7 +75,7 @@ def test_a_repeated_time_counts_once_the_last_said() -> None:
     samples = Samples()
     for time_ns, x in ((0, 1.0), (0, 2.0), (9, 3.0), (0, 4.0)):
         samples.add(time_ns, (x, 0, 0, 0, 0, 0, 1))
-    first = samples.at(0, 1)
+    first = samples.at(0, REACH)
     assert first is not None
     assert first.position[0] == 4.0
 
@@ -98,14 +100,14 @@ def test_the_chain_runs_from_the_map_to_the_camera() -> None:
         ("base_link", "wheel", 0, at(9)),
     )
     found = way(tree)
-    pose = found.at(SECOND // 4, 0.5 * SECOND)
+    pose = found.at(SECOND // 4, REACH)
     assert pose is not None
     assert pose.position == pytest.approx((11.5, 0.5, 0))
     ahead, down = rotation(pose)[:, 2], rotation(pose)[:, 1]
     assert ahead == pytest.approx(np.array([0, 1, 0]))  # the robot looks along the map's y
     assert down == pytest.approx(np.array([0, 0, -1]))
-    assert found.at(2 * SECOND, 0.5 * SECOND) is None
-    assert found.missing(2 * SECOND, 0.5 * SECOND) == "map -> odom"
+    assert found.at(2 * SECOND, REACH) is None
+    assert found.missing(2 * SECOND, REACH) == "map -> odom"
     assert Link("mast", "cam", True, 1) in tree.links()
 
 
@@ -137,7 +139,7 @@ def test_odometry_is_a_link_where_tf_has_none() -> None:
     tree = tree_of(("base_link", "cam", None, OPTICAL), ("map", "odom", None, at(5)))
     odometry = topic("/odom", "odom", "base_link", [(0, at(1)), (SECOND, at(2))])
     found = way(tree, [odometry])
-    pose = found.at(SECOND // 2, SECOND)
+    pose = found.at(SECOND // 2, REACH)
     assert pose is not None
     assert pose.position == pytest.approx((6.5, 0, 0))
     assert pose.quaternion == pytest.approx(OPTICAL.quaternion) or pose.quaternion == pytest.approx(
@@ -157,14 +159,14 @@ def test_a_pose_in_the_map_goes_before_odometry() -> None:
     tree = tree_of(("odom", "base_link", 0, at(1)), ("base_link", "cam", None, OPTICAL))
     amcl = topic("/amcl_pose", "map", "", [(0, at(7))])
     found = way(tree, [amcl, topic("/odom", "odom", "base_link", [(0, at(1))])])
-    pose = found.at(0, SECOND)
+    pose = found.at(0, REACH)
     assert pose is not None
     assert (found.top, pose.position) == ("map", (7.0, 0.0, 0.0))
 
 
 def test_without_a_mount_the_robot_looks_ahead_and_that_is_said() -> None:
     found = way(Tree(), [topic("/odom", "odom", "base_link", [(0, at(1))])])
-    pose = found.at(0, SECOND)
+    pose = found.at(0, REACH)
     assert pose is not None
     assert rotation(pose)[:, 2] == pytest.approx(np.array([1, 0, 0]))
     assert any("looking ahead" in note for note in found.notes)
@@ -202,13 +204,13 @@ def test_covariance_is_that_of_poses_in_the_same_frame() -> None:
     other.times.append(0)
     other.covariances.append(tuple(np.eye(6).ravel().tolist()))
     found = way(tree, [amcl, other])
-    pose = found.at(SECOND // 2, SECOND)
+    pose = found.at(SECOND // 2, REACH)
     assert pose is not None
     assert pose.covariance is not None
     got = np.reshape(pose.covariance, (6, 6))
     # 2 m ahead of the robot its turning error is a sideways one
     assert got.diagonal().tolist() == pytest.approx([0.01, 0.01 + 4 * 0.04, 0, 0, 0, 0.04])
-    later = found.at(SECOND, SECOND)
+    later = found.at(SECOND, REACH)
     assert later is not None
     assert later.covariance is None
 
