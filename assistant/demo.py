@@ -12,6 +12,7 @@ import d3a
 from assistant.config import STORE_SCHEME, Settings, user_cache
 from assistant.session import Session
 from assistant.wording import answer_lines
+from d3a.model import Json
 from d3a.parameters import DEFAULT, Parameters
 
 QUESTIONS = (
@@ -84,6 +85,12 @@ def _is_running(process: int) -> bool:
     except PermissionError:  # it runs, as somebody else's
         return True
     return process != os.getpid()
+
+
+def tour_records(session: Session) -> Iterator[Json]:
+    """Yield the answers to the demo's questions as records."""
+    for question in TOUR:
+        yield session.safely(question).to_json()
 
 
 def tour_lines(session: Session) -> Iterator[str]:

@@ -50,9 +50,14 @@ def show(context: click.Context, as_json: bool) -> None:
 
 
 @command.command("path")
-def path() -> None:
+@click.option("--json", "as_json", is_flag=True, help="A JSON object a line.")
+def path(as_json: bool) -> None:
     """Print the files that are read, the weaker first."""
     for file in (user_file(), Path(FILE).absolute()):
+        if as_json:
+            record = {"schema": 1, "path": str(file), "exists": file.exists()}
+            click.echo(json_line(record, ascii_only=not speaks_unicode(sys.stdout)))
+            continue
         click.echo(f"{file}{'' if file.exists() else ' (does not exist)'}")
 
 

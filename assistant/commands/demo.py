@@ -11,24 +11,31 @@ from assistant.commands.chat import hold, session_of
 from assistant.options import failures, opened, settings_of, settings_options
 from assistant.serving import serve as serve_chat
 from assistant.serving import serving_options
-from assistant.terminal import clean_lines, is_terminal
+from assistant.terminal import clean_lines, is_terminal, json_line, speaks_unicode
 
 
 @click.command("demo")
 @click.option("--tour", is_flag=True, help="Ask five questions, print the answers, and leave.")
+@click.option("--json", "as_json", is_flag=True, help="With --tour: an answer a line, as JSON.")
 @click.option("--plain", is_flag=True, help="Chat a line at a time.")
 @serving_options
 @settings_options
 @click.pass_context
 def command(
-    context: click.Context, tour: bool, plain: bool, serve: bool, port: int, served: bool
+    context: click.Context,
+    tour: bool,
+    as_json: bool,
+    plain: bool,
+    serve: bool,
+    port: int,
+    served: bool,
 ) -> None:
     """Open the chat on a small home: the first minute with d3a.
 
     The home is ingested into a store of its own, once. Without a terminal five questions are
     asked and answered on standard output.
     """
-    from assistant.demo import QUESTIONS, demo_store, tour_lines
+    from assistant.demo import QUESTIONS, demo_store, tour_lines, tour_records
 
     settings = settings_of(context)
     with failures():
@@ -41,6 +48,11 @@ def command(
             session = session_of(settings, store, title="the demo home", suggestions=QUESTIONS)
             nobody = not (is_terminal(sys.stdin) and is_terminal(sys.stdout))
             if tour or (nobody and not plain and not served):
+                if as_json:
+                    ascii_only = not speaks_unicode(sys.stdout)
+                    for record in tour_records(session):
+                        click.echo(json_line(record, ascii_only=ascii_only))
+                    return
                 for line in tour_lines(session):
                     click.echo(clean_lines(line))
                 return

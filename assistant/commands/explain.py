@@ -10,6 +10,8 @@ from assistant.exits import ExitCode
 from assistant.options import Failure, now_of, opened, settings_of, settings_options
 from assistant.terminal import clean_lines, json_line, speaks_unicode, well_formed
 
+SCHEMA = 1
+
 
 @click.command("explain")
 @click.argument("question", nargs=-1, required=True)
@@ -28,11 +30,12 @@ def command(context: click.Context, question: tuple[str, ...], as_json: bool) ->
             explanation = explain(store, well_formed(" ".join(question)), now=now)
         except QuestionError as error:
             if as_json:
-                click.echo(json_line(error.to_json(), ascii_only=not speaks_unicode(sys.stdout)))
+                record = {"schema": SCHEMA, **error.to_json()}
+                click.echo(json_line(record, ascii_only=not speaks_unicode(sys.stdout)))
                 context.exit(ExitCode.QUESTION)
             raise Failure(str(error), ExitCode.QUESTION) from error
     if as_json:
-        record = explanation.to_json()
+        record = {"schema": SCHEMA, **explanation.to_json()}
         click.echo(json_line(record, ascii_only=not speaks_unicode(sys.stdout)))
     else:
         click.echo(clean_lines(explanation.to_text()))

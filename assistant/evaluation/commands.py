@@ -40,7 +40,7 @@ def simulate_command(
         raise click.ClickException(str(error)) from error
     if statistics:
         record["statistics"] = measured(out)
-    click.echo(json.dumps(record, ensure_ascii=False))
+    click.echo(json.dumps({"schema": 1, **record}, ensure_ascii=False))
 
 
 @click.command("evaluate")

@@ -11,6 +11,8 @@ from d3a.store.sqlite_file import open_sqlite
 _SECRET_OPTIONS = re.compile(
     r"([?&](?:authMechanismProperties|tlsCertificateKeyFilePassword)=)[^&]*", re.IGNORECASE
 )
+_NO_PORT = re.compile(r"(?<=[^:,]):(?!\d{1,5}(?:,|$))[^,]+$")
+"""What follows a host's colon and is no port."""
 
 
 def open_store(uri: str, *, create: bool = True, read_only: bool = False) -> Store:
@@ -25,7 +27,9 @@ def open_store(uri: str, *, create: bool = True, read_only: bool = False) -> Sto
         return open_sqlite(_path(uri), create=create, read_only=read_only)
     if scheme == "sqlite":
         if not rest.startswith("/"):
-            raise StoreError(f"{uri}: a file is sqlite:///relative.db or sqlite:////absolute.db")
+            raise StoreError(
+                f"{mask(uri)}: a file is sqlite:///relative.db or sqlite:////absolute.db"
+            )
         return open_sqlite(_path(rest[1:]), create=create, read_only=read_only)
     if scheme in {"mongodb", "mongodb+srv"}:
         from d3a.store.mongo_server import (
@@ -52,6 +56,10 @@ def mask(uri: str) -> str:
     if at:
         user, colon, _ = credentials.partition(":")
         authority = f"{user}{colon}{'***' if colon else ''}@{hosts}"
+    elif (
+        scheme != "sqlite" and "[" not in authority
+    ):  # the host was forgotten: what stands for a port is a password
+        authority = _NO_PORT.sub(r":***", authority)
     return _SECRET_OPTIONS.sub(r"\1***", f"{scheme}://{authority}{tail}")
 
 

@@ -228,6 +228,10 @@ def test_what_other_hands_did_to_a_file_is_found(tmp_path: Path) -> None:
         ("mongodb://anna:p/ss@host/d3a", "mongodb://anna:***@host/d3a"),
         ("mongodb+srv://anna:secret@host", "mongodb+srv://anna:***@host"),
         ("mongodb://host/d3a?w=1", "mongodb://host/d3a?w=1"),
+        ("mongodb://anna:secret", "mongodb://anna:***"),  # the host was forgotten
+        ("mongodb://anna:se:cret/d3a", "mongodb://anna:***/d3a"),
+        ("mongodb://a:27017,b:27018/d3a", "mongodb://a:27017,b:27018/d3a"),
+        ("mongodb://[fe80::1]:27017/d3a", "mongodb://[fe80::1]:27017/d3a"),
         (
             "mongodb://h/?tlsCertificateKeyFilePassword=x&authMechanismProperties=AWS_SESSION_TOKEN:y",
             "mongodb://h/?tlsCertificateKeyFilePassword=***&authMechanismProperties=***",
