@@ -11,7 +11,7 @@ from typing import Any
 from d3a.model import BadInput, Box, Detection, Pose, Position
 from d3a.readers import parsing
 from d3a.readers.base import Skipped
-from d3a.readers.ros_tf import composed
+from d3a.readers.ros_tf import IDENTITY, composed
 
 PACKAGE = "vision_msgs/"
 DETECTIONS = "vision_msgs/msg/Detection2DArray"
@@ -123,8 +123,13 @@ def detection_of(
 
 
 def _position(place: Any, seen_from: Pose | None) -> Position | None:
-    """Return where the thing is in the map; detectors that cannot tell leave zeros."""
+    """Return where the thing is in the map; detectors that cannot tell leave zeros.
+
+    Some put pixels there: what a camera sees has a depth.
+    """
     at = (float(place.x), float(place.y), float(place.z))
     if seen_from is None or not any(at) or not all(map(math.isfinite, at)):
+        return None
+    if at[2] <= 0 and seen_from is not IDENTITY:
         return None
     return composed(seen_from, Pose(at, (0.0, 0.0, 0.0, 1.0))).position

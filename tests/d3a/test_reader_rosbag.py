@@ -155,9 +155,12 @@ def test_a_things_own_position_is_taken_where_the_detector_tells_it(tmp_path: Pa
     world = World("mcap")
     record = world.detection(found(moments()[1])[0])
     record.results[1].pose.pose.position.z = 2.0
-    change = put(BOXES, 1, detections=[record])
+    pixels = world.detection(found(moments()[1])[0])
+    pixels.results[1].pose.pose.position.x = 320.0
+    change = put(BOXES, 1, detections=[record, pixels])
     frames = list(open_source(world.write_changed(tmp_path / "b", change)))
-    (detection,) = frames[1].detections or ()
+    detection, other = frames[1].detections or ()
+    assert other.position is None
     assert detection.position == pytest.approx((0.1, 0.0, 3.0))
     assert all(d.position is None for f in frames[2:] for d in f.detections or ())
 
