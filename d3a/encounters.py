@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Set
 from dataclasses import fields, replace
 from itertools import combinations
 
@@ -62,9 +63,9 @@ class Encounters:
         kept = {p: e for p, e in self._open.items() if newest - e.end_ms <= gap_ms}
         self._open = kept
 
-    def forget(self, object_id: str) -> None:
-        """Forget the encounters of an object that is no more."""
-        kept = {p: e for p, e in self._open.items() if object_id not in (p[0][0], p[1][0])}
+    def forget(self, ids: Set[str]) -> None:
+        """Forget the encounters of objects that are no more, or not in memory."""
+        kept = {p: e for p, e in self._open.items() if p[0][0] not in ids and p[1][0] not in ids}
         self._open = kept
         self._dirty &= kept.keys()
 

@@ -36,6 +36,7 @@ class LookSpace:
         self.scale: Features = np.zeros((2, 0), dtype=np.float32)
         """(2, d): centre, and what each part is worth, of all that was learned by `scaled_at`."""
         self.scaled_at = 0.0
+        self._version = 1
 
     def add(self, looks: Features) -> None:
         """Learn what there is to see: looks (n, d); rows of zeros are none."""
@@ -60,15 +61,25 @@ class LookSpace:
 
     def of(self, looks: Features) -> Features:
         """Return looks (n, d) in the space, rows of unit length; zeros stay zeros."""
-        if self.sums.shape[1] == 0 or looks.shape[1] == 0:
+        if looks.shape[1] == 0 or self.ready() == 0:
             return looks
-        if float(self.counts.sum()) > self.scaled_at * FRESH:
-            self._rescale()
         centre, scale = self.scale
         moved = (looks - centre) * scale
         length = np.sqrt(np.einsum("nd,nd->n", moved, moved))[:, None]
         unit = moved / np.maximum(length, np.float32(1e-12))
         return np.asarray(np.where(np.any(looks, axis=1, keepdims=True), unit, np.float32(0.0)))
+
+    def ready(self) -> int:
+        """Take into use what is due, and return the scale's number: another one, another space.
+
+        0: nothing was learned yet. Numbers are good for as long as this object lives.
+        """
+        if self.sums.shape[1] == 0:
+            return 0
+        if float(self.counts[0]) + float(self.counts[1]) > self.scaled_at * FRESH:
+            self._rescale()
+            self._version += 1
+        return self._version
 
     def _rescale(self) -> None:
         total, within = self.counts.tolist()

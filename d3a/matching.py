@@ -215,11 +215,12 @@ class Matcher:
             starts = np.cumsum([0, *(len(thing.votes) for thing in observed.things)])[:-1]
             agreed = np.maximum.reduceat(agreed, starts, axis=0)
             differing = np.maximum.reduceat(differing, starts, axis=0)
-        looks = self._memory.looks.rows(things)
-        if observed.looks.shape[1] == 0 or looks.shape[1] == 0:
+        looks = self._memory.looks
+        if observed.looks.shape[1] == 0 or looks.length == 0:
             return Scoring(agreed, differing)
-        known = np.any(observed.looks, axis=1, keepdims=True) & np.any(looks, axis=1)
-        seen, kept = self.space.of(observed.looks), self.space.of(looks)
+        pictured = np.array([thing.look_weight > 0 for thing in things])
+        known = np.any(observed.looks, axis=1, keepdims=True) & pictured
+        seen, kept = self.space.of(observed.looks), looks.units(things, self.space)
         likeness = np.where(known, (seen @ kept.T).astype(np.float64), np.nan)
         views = np.array([thing.look_weight for thing in things])
         same, beside = (

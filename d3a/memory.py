@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from d3a.likelihood import shares
+from d3a.look_space import LookSpace
 from d3a.model import Position
 from d3a.parameters import Parameters
 from d3a.sightings import Interval
@@ -64,6 +65,7 @@ class Place:
 class Known:
     """A thing in memory. votes: weight by category; seen: frames it was detected in, ever.
 
+    fetched_ms: when it came back from the store, 0 if it never left.
     met: numbers of the things seen beside it in a frame while it was in memory, so other things.
     look_weight: of the mean look, 0 without one. row: in the table of looks.
     """
@@ -72,6 +74,7 @@ class Known:
     votes: dict[str, float]
     first_ms: int
     last_ms: int
+    fetched_ms: int = 0
     weight: float = 0.0
     seen: int = 0
     look_weight: float = 0.0
@@ -199,6 +202,32 @@ class Looks:
     def __init__(self) -> None:
         self.owners: list[Known] = []
         self._matrix: NDArray[np.float32] = np.zeros((64, 0), dtype=np.float32)
+        self._units: NDArray[np.float32] = np.zeros((64, 0), dtype=np.float32)
+        self._stale = np.ones(64, dtype=bool)
+        self._version = 0
+        """Rows of `_units` are those of the matrix as this version of the space has them, but for
+        the stale: most looks are compared far more often than they change."""
+
+    @property
+    def length(self) -> int:
+        """d, 0 before any picture."""
+        return int(self._matrix.shape[1])
+
+    def units(self, things: list[Known], space: LookSpace) -> NDArray[np.float32]:
+        """Return what `space.of` makes of the features of some things (m, d), in their order."""
+        if self._units.shape != self._matrix.shape:
+            self._units = np.zeros_like(self._matrix)
+            self._stale = np.ones(len(self._matrix), dtype=bool)
+        version = space.ready()
+        if version != self._version:
+            self._version = version
+            self._stale[:] = True
+        rows = np.array([thing.row for thing in things], dtype=np.intp)
+        stale = rows[self._stale[rows]]
+        if len(stale):
+            self._units[stale] = space.of(self._matrix[stale])
+            self._stale[stale] = False
+        return np.asarray(self._units[rows])
 
     def rows(self, things: list[Known]) -> NDArray[np.float32]:
         """Return the features of some things (m, d), in their order."""
@@ -215,7 +244,7 @@ class Looks:
         if len(self.owners) > len(self._matrix):
             self._matrix = np.concatenate([self._matrix, np.zeros_like(self._matrix)])
         if self._matrix.shape[1]:
-            self._matrix[thing.row] = 0.0
+            self._put(thing.row, 0.0)
         thing.look_weight = 0.0
         if look is not None:
             self.put(thing, look, weight)
@@ -227,21 +256,26 @@ class Looks:
         mean = self._matrix[thing.row] * np.float32(min(thing.look_weight, most))
         mean += look * np.float32(weight)
         length = float(np.sqrt(mean @ mean))
-        self._matrix[thing.row] = mean / np.float32(length) if length > 0 else 0.0
+        self._put(thing.row, mean / np.float32(length) if length > 0 else 0.0)
         thing.look_weight += weight
 
     def put(self, thing: Known, look: NDArray[np.float32], weight: float) -> None:
         """Set the mean look of a thing as it is."""
         if self._matrix.shape[1] == 0:
             self._matrix = np.zeros((len(self._matrix), len(look)), dtype=np.float32)
-        self._matrix[thing.row] = look
+        self._put(thing.row, look)
         thing.look_weight = weight
+
+    def _put(self, row: int, look: NDArray[np.float32] | float) -> None:
+        self._matrix[row] = look
+        if row < len(self._stale):
+            self._stale[row] = True
 
     def remove(self, thing: Known) -> None:
         """Take a thing out; the last row moves into its row."""
         last = self.owners.pop()
         if last is not thing:
-            self._matrix[thing.row] = self._matrix[last.row]
+            self._put(thing.row, self._matrix[last.row])
             last.row = thing.row
             self.owners[thing.row] = last
         thing.row = -1

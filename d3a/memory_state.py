@@ -71,7 +71,7 @@ def memory_of_state(memory: Memory, record: Json, arrays: Arrays, parameters: Pa
 
 
 def _thing(record: Json) -> Known:
-    plain = {name: record[name] for name in _KNOWN}
+    plain = {name: record[name] for name in _KNOWN if name in record}  # older ones have fewer
     extent = plain["extent_m"]
     plain["extent_m"] = None if extent is None else tuple(extent)
     names = tuple(TaughtName(word, owner) for word, owner in record["names"])

@@ -34,17 +34,33 @@ class Evidence:
     neighbours: Neighbours
     parameters: Parameters
 
-    def near(self, thing: Known, others: list[Known]) -> list[Known]:
-        """Return those of the others, at one place each, that are within the gate of a thing."""
-        if not others:
+    def near(self, missed: list[Known], found: list[Known]) -> list[tuple[Known, list[Known]]]:
+        """Return what was missed with those of the found things that are within its gate.
+
+        Things with names, several places or no position are left alone; so is what has none near.
+        """
+        ones, others = ([t for t in each if _is_simple(t)] for each in (missed, found))
+        if not ones or not others:
             return []
         positions = self.memory.positions
-        row, rows = thing.places[0].row, [other.places[0].row for other in others]
-        away = positions.mean[rows] - positions.mean[row]
-        spread = positions.spread[rows] + positions.spread[row]
-        squared, _ = likelihood.mahalanobis(away, spread)
-        inside = squared <= self.parameters.gate_sigmas**2
-        return [other for other, is_near in zip(others, inside, strict=True) if is_near]
+        row, rows = ([thing.places[0].row for thing in each] for each in (ones, others))
+        away = positions.mean[row][:, None] - positions.mean[rows]
+        axes = (0, 1, 2)
+        variance = positions.spread[:, axes, axes]
+        gate = self.parameters.gate_sigmas**2
+        reach = gate * (variance[row][:, None] + variance[rows])
+        near = np.all(away**2 <= reach, axis=2)  # no pair within the gate is outside of this
+        i, j = np.nonzero(near)
+        if len(i) == 0:
+            return []
+        spread = positions.spread[np.array(row)[i]] + positions.spread[np.array(rows)[j]]
+        squared, _ = likelihood.mahalanobis(away[i, j], spread)
+        near[i, j] = squared <= gate
+        return [
+            (thing, [others[k] for k in np.flatnonzero(line).tolist()])
+            for thing, line in zip(ones, near, strict=True)
+            if line.any()
+        ]
 
     def odds(self, thing: Known, other: Known) -> float:
         """Return the log-odds that both, at one place each, are the same thing; by all but time."""
@@ -73,39 +89,12 @@ class Evidence:
         return float(np.logaddexp(agreed, differing))
 
 
-def likely_same(missed: Known, found: list[Known], evidence: Evidence) -> list[Known]:
-    """Return which of the found things a missed one may be, the likeliest first.
-
-    Things with names, several places or no position are left alone.
-    """
-    if missed.row < 0 or not _is_simple(missed):
-        return []
-    others = [
-        thing
-        for thing in found
-        if thing.row >= 0
-        and thing is not missed
-        and thing.number not in missed.met
-        and _is_simple(thing)
-    ]
-    near = evidence.near(missed, others)
-    scored = [(evidence.odds(missed, thing), -thing.number, thing) for thing in near]
+def likely_same(missed: Known, near: list[Known], evidence: Evidence) -> list[Known]:
+    """Return which of the found things near a missed one it may be, the likeliest first."""
+    others = [thing for thing in near if thing is not missed and thing.number not in missed.met]
+    scored = [(evidence.odds(missed, thing), -thing.number, thing) for thing in others]
     likely = [each for each in scored if each[0] >= evidence.parameters.merge_odds]
     return [thing for _, _, thing in sorted(likely, key=lambda each: each[:2], reverse=True)]
-
-
-def reachable(missed: list[Known], found: list[Known], evidence: Evidence) -> list[Known]:
-    """Return those of the missed things that any found one is near to: the others are no pair."""
-    ones, others = ([t for t in each if t.row >= 0 and _is_simple(t)] for each in (missed, found))
-    if not ones or not others:
-        return []
-    positions = evidence.memory.positions
-    row, rows = ([thing.places[0].row for thing in each] for each in (ones, others))
-    away = positions.mean[row][:, None] - positions.mean[rows]
-    spread = positions.spread[row][:, None] + positions.spread[rows]
-    squared, _ = likelihood.mahalanobis(away, spread)
-    inside = np.any(squared <= evidence.parameters.gate_sigmas**2, axis=1).tolist()
-    return [thing for thing, is_near in zip(ones, inside, strict=True) if is_near]
 
 
 def never_together(thing: Known, others: list[Known], ledger: Ledger) -> Known | None:
@@ -117,7 +106,9 @@ def never_together(thing: Known, others: list[Known], ledger: Ledger) -> Known |
 
 
 def _is_simple(thing: Known) -> bool:
-    return len(thing.places) == 1 and thing.places[0].row >= 0 and not thing.names
+    return (
+        len(thing.places) == 1 and thing.row >= 0 and thing.places[0].row >= 0 and not thing.names
+    )
 
 
 def merge(

@@ -32,6 +32,8 @@ SAME_SIGMA, SAME_OUTLIERS = 0.12, 0.05
 follow it: another side, another light."""
 GONE_MOST = 5.0
 """Log-odds that looks in vain count for at most."""
+Pair = tuple[Known, Known, Place]
+"""What may be a move: what turned up, what left, and the place that it left."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,53 +63,74 @@ class Moves:
     def find(self, changed: set[int]) -> list[Link]:
         """Return the moves that are likelier than all else that either thing may be, together.
 
-        changed: numbers of the things that were seen, or missed, since the last call.
+        changed: numbers of the things that were seen, or missed, since the last call; a move has
+        one of them at either end. By the numbers of the new and the old.
         """
-        things = self._memory.things
-        kinds = {things[number].category for number in changed if number in things}
-        confirmed = [
-            each for each in _confirmed(self._memory, self._parameters) if each.category in kinds
-        ]
-        fresh = [thing for thing in confirmed if _is_unexplained(thing)]
-        self._compare([new for new in fresh if new.number not in self.compared], confirmed)
-        by_category: dict[str, list[Known]] = {}
-        for new in fresh:
-            by_category.setdefault(new.category, []).append(new)
-        pairs = [
-            (new, old, place)
-            for old in confirmed
-            if (place := old.latest).misses > 0
-            for new in by_category.get(old.category, ())
-            if place.last_ms < new.first_ms and new is not old
-        ]
-        if not any(new.number in changed or old.number in changed for new, old, _ in pairs):
-            return []
-        return self._links(pairs)
+        of_kind = self._alike(changed)
+        fresh = {kind: [t for t in each if _is_unexplained(t)] for kind, each in of_kind.items()}
+        for kind, news in fresh.items():
+            self._compare([new for new in news if new.number not in self.compared], of_kind[kind])
+        density = self._densities()
+        links: list[Link] = []
+        for kind, each in of_kind.items():
+            left = [(old, place) for old in each if (place := old.latest).misses > 0]
+            pairs = [
+                (new, old, place)
+                for old, place in left
+                for new in fresh[kind]
+                if place.last_ms < new.first_ms
+                and new is not old
+                and (new.number in changed or old.number in changed)
+            ]
+            if pairs:
+                links += self._links(pairs, fresh[kind], left, density)
+        return sorted(links, key=lambda link: (link.new.number, link.old.number))
 
-    def _links(self, pairs: list[tuple[Known, Known, Place]]) -> list[Link]:
-        """Return the plain ones of the pairs that may be moves."""
-        news = sorted({new.number for new, _, _ in pairs})
-        olds = sorted({old.number for _, old, _ in pairs})
-        things = self._memory.things
-        likeness = self._likeness([things[n] for n in news], [things[n] for n in olds])
-        row, column = ({n: k for k, n in enumerate(each)} for each in (news, olds))
-        odds = np.full(likeness.shape, -np.inf)
-        for new, old, place in pairs:
-            i, j = row[new.number], column[old.number]
-            if not math.isnan(likeness[i, j]):
-                odds[i, j] = self._odds(float(likeness[i, j]), new, old, place)
-        return [
-            Link(things[olds[j]], things[news[i]], score)
-            for i, j, score in _plain(odds, self._parameters.move_probability)
-        ]
+    def _alike(self, changed: set[int]) -> dict[str, list[Known]]:
+        """Return all confirmed things of the categories of the changed ones, by category."""
+        least, things = self._parameters.confirm_sightings, self._memory.things
+        kinds = {things[n].category for n in changed if n in things and things[n].seen >= least}
+        of_kind: dict[str, list[Known]] = {kind: [] for kind in sorted(kinds)}
+        if kinds:
+            for thing in things.values():
+                if thing.seen >= least and (each := of_kind.get(thing.category)) is not None:
+                    each.append(thing)
+        return of_kind
+
+    def _links(
+        self,
+        pairs: list[Pair],
+        fresh: list[Known],
+        left: list[tuple[Known, Place]],
+        density: Floats,
+    ) -> list[Link]:
+        """Return the plain ones of the pairs, against all that either end may be instead.
+
+        fresh, left: all things of the category that turned up, and that were missed.
+        """
+        least = self._parameters.move_probability
+        weights = np.exp(np.minimum(self._odds(pairs, density), 50.0))
+        links = []
+        # Whatever the rivals are, less than this is not plain: nearly all pairs end here.
+        for k in np.flatnonzero(weights * (1.0 - least) >= least).tolist():
+            new, old, place = pairs[k]
+            rivals = [(new, o, p) for o, p in left if p.last_ms < new.first_ms and o is not new]
+            rivals += [
+                (n, old, place) for n in fresh if place.last_ms < n.first_ms and n is not old
+            ]
+            others = np.exp(np.minimum(self._odds(rivals, density), 50.0))
+            chance = float(weights[k] / (1.0 + others.sum() - weights[k]))  # it is in both lists
+            if chance >= least:
+                links.append(Link(old, new, chance))
+        return links
 
     def _likeness(self, ones: list[Known], others: list[Known]) -> Floats:
-        """Return the cosines (ones, others), NaN where a look is unknown."""
+        """Return the cosines (n,) of one thing each with another, NaN where a look is unknown."""
         looks = self._memory.looks
-        left, right = (self._space.of(looks.rows(each)) for each in (ones, others))
-        known = [np.array([thing.look_weight > 0 for thing in each]) for each in (ones, others)]
-        cosines = (left @ right.T).astype(np.float64)
-        return np.where(known[0][:, None] & known[1], cosines, np.nan)
+        left, right = (looks.units(each, self._space) for each in (ones, others))
+        known = [a.look_weight > 0 and b.look_weight > 0 for a, b in zip(ones, others, strict=True)]
+        cosines = np.einsum("nd,nd->n", left, right).astype(np.float64)
+        return np.where(known, cosines, np.nan)
 
     def _compare(self, fresh: list[Known], confirmed: list[Known]) -> None:
         """Learn from those that were seen elsewhere since: they are other things."""
@@ -121,27 +144,31 @@ class Moves:
                 and other is not new
             ]
             if others:
-                for likeness in self._likeness([new], others)[0].tolist():
-                    if not math.isnan(likeness):
-                        self.others[_bin(likeness)] += 1.0
+                likeness = self._likeness([new] * len(others), others)
+                np.add.at(self.others, _bins(likeness[~np.isnan(likeness)]), 1.0)
 
-    def _odds(self, likeness: float, new: Known, old: Known, place: Place) -> float:
-        """Return the log-odds that `new` is `old`, which was last seen at `place`."""
+    def _odds(self, pairs: list[Pair], density: Floats) -> Floats:
+        """Return the log-odds (n,) that `new` is `old`, which was last seen at `place`.
+
+        density: see `_densities`.
+        """
+        likeness = self._likeness([new for new, _, _ in pairs], [old for _, old, _ in pairs])
         # Means vary less than the views that are compared with them.
         usual = math.sqrt(max(float(self._looks.sums[-1, SAME, 1]), 0.0))
-        away = (likeness - usual) / SAME_SIGMA
-        bell = math.exp(-(min(away, 0.0) ** 2) / 2) / (SAME_SIGMA * math.sqrt(2 * math.pi))
+        away = np.minimum((likeness - usual) / SAME_SIGMA, 0.0)
+        bell = np.exp(-(away**2) / 2) / (SAME_SIGMA * math.sqrt(2 * math.pi))
         same = (1 - SAME_OUTLIERS) * bell + SAME_OUTLIERS / 2
-        other = self._density(likeness)
-        look = math.log(same / other)
-        if look < self._parameters.plain_odds:  # an empty place alone does not say what left it
-            return -math.inf
-        return look + min(place.evidence, GONE_MOST) + self._parameters.move_odds
+        look = np.log(same / density[_bins(np.nan_to_num(likeness))])
+        left = np.minimum([place.evidence for _, _, place in pairs], GONE_MOST)
+        odds = look + left + self._parameters.move_odds
+        # An empty place alone does not say what left it; nor does NaN, where a look is unknown.
+        return np.asarray(np.where(look >= self._parameters.plain_odds, odds, -np.inf))
 
-    def _density(self, likeness: float) -> float:
-        """Return how dense different things lie at a likeness, from there up, smoothed."""
-        near = self.others[max(0, _bin(likeness) - 1) :]
-        return float(near.sum() / self.others.sum()) / (len(near) * 2 / BINS)
+    def _densities(self) -> Floats:
+        """Return how dense different things lie at likenesses (BINS,), from there up, smoothed."""
+        above = self.others[::-1].cumsum()[::-1]
+        first = np.maximum(np.arange(BINS) - 1, 0)
+        return np.asarray(above[first] / above[0] / ((BINS - first) * 2 / BINS))
 
 
 def _assumed() -> Floats:
@@ -150,22 +177,9 @@ def _assumed() -> Floats:
     return np.asarray(OTHER_PRIOR * bell / bell.sum())
 
 
-def _bin(likeness: float) -> int:
-    return min(BINS - 1, max(0, int((likeness + 1.0) / 2.0 * BINS)))
-
-
-def _plain(odds: Floats, least: float) -> list[tuple[int, int, float]]:
-    """Return pairs whose probability is at least so much, among all that either end may be."""
-    weight = np.exp(np.minimum(odds, 50.0))
-    rivals = weight.sum(axis=0, keepdims=True) + weight.sum(axis=1, keepdims=True) - weight
-    chance = weight / (1.0 + rivals)
-    return [(i, j, float(chance[i, j])) for i, j in np.argwhere(chance >= least).tolist()]
-
-
-def _confirmed(memory: Memory, parameters: Parameters) -> list[Known]:
-    least = parameters.confirm_sightings
-    found = [thing for thing in memory.things.values() if thing.seen >= least]
-    return sorted(found, key=lambda thing: thing.number)
+def _bins(likeness: Floats) -> NDArray[np.intp]:
+    """Return the bins (n,) of likenesses (n,)."""
+    return ((likeness + 1.0) / 2.0 * BINS).astype(np.intp).clip(0, BINS - 1)
 
 
 def _is_unexplained(thing: Known) -> bool:

@@ -6,8 +6,9 @@ for longest is evicted; it is fetched back by place when the robot looks there a
 
 from __future__ import annotations
 
+import heapq
 import math
-from collections.abc import Collection, Iterable
+from collections.abc import Collection
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,16 +18,21 @@ from d3a.answer import is_by_look
 from d3a.ledger import Ledger
 from d3a.memory import Known, Memory, Place
 from d3a.model import Json
+from d3a.outside import Outside
 from d3a.parameters import Parameters
 from d3a.sightings import Interval
 from d3a.store.base import Area, ObjectRecord, StayRecord
 from d3a.tier3 import Stored
 
-CELL_M = 2.0
-"""Side of the squares in which places are fetched: about what a look into a room covers."""
-REACH_SIGMAS = 3.0
+CELL_M = 4.0
+"""Side of the squares in which the store is asked what is where: about a room."""
+EVICTED_SHARE = 16
+"""When the memory is over its bound, a share of it goes at once (one in so many)."""
+REACH_SIGMAS, SPREAD_M = 3.0, 1.0
+"""How far around a position the store is asked, and how far off a thing there may be, one sigma."""
 LEAST_M2 = 1e-6
 """No mean is known better than to a millimetre."""
+Floats = NDArray[np.float64]
 Cell = tuple[int, int] | None
 """A square of the ground plane; None: things without a position."""
 FIRST_NUMBER = 1
@@ -46,6 +52,8 @@ class Recall:
         self.outside = outside
         """How many objects the store holds that the memory does not."""
         self._complete: set[Cell] = set()
+        """Squares of which `_index` knows all that is not in memory."""
+        self._index = Outside()
         self._wanted: set[str] = set()
 
     # to the store
@@ -106,19 +114,33 @@ class Recall:
         )
 
     def evict(self) -> list[Known]:
-        """Write and forget the least recently viewed until the memory is within its bound."""
-        things = self._memory.things
-        over = len(things) - self._parameters.stm_capacity
-        if over <= 0:
+        """Write and forget the least recently viewed when the memory is over its bound.
+
+        To be compared with what is in view counts as a view: else what has just come back would be
+        the first to go again.
+        """
+        things, most = self._memory.things, self._parameters.stm_capacity
+        if len(things) <= most:
             return []
-        oldest = sorted(things.values(), key=lambda t: (t.last_ms, t.number))[:over]
+        over = len(things) - most + most // EVICTED_SHARE
+        oldest = heapq.nsmallest(
+            over, things.values(), key=lambda t: (max(t.last_ms, t.fetched_ms), t.number)
+        )
         for thing in oldest:
             if thing.dirty:
                 self._put(thing)
-            self._complete -= set(self._cells_of(thing))
+            for place in thing.places:
+                stay = self._stay(thing, place, tentative=False)
+                if _cell_of(stay) in self._complete:
+                    self._remember(stay)
             self._memory.remove(thing)
         self.outside += len(oldest)
         return oldest
+
+    def _remember(self, stay: StayRecord) -> None:
+        surface = self._parameters.object_spread_m**2 * 2
+        variance = stay.covariance or np.diag([surface] * 3).ravel().tolist()
+        self._index.add(stay.object_id, stay.position, (variance[0], variance[4], variance[8]))
 
     def forget_all(self) -> None:
         """Empty the memory; everything in it is written."""
@@ -126,7 +148,7 @@ class Recall:
         for thing in list(self._memory.things.values()):
             self._memory.remove(thing)
             self.outside += 1
-        self._complete.clear()
+        self._forget_index()
 
     def refetch(self, before: Collection[str], after: Collection[str]) -> list[Known]:
         """Forget objects that the store has otherwise now; what they became comes back at once.
@@ -141,52 +163,68 @@ class Recall:
             self._wanted = (self._wanted - ids) | set(after)
         # One too many costs a look into the store, one too few would hide things.
         self.outside += len(gone) + max(0, len(after) - len(before))
-        self._complete.clear()
+        self._forget_index()
         return gone
 
-    def _cells_of(self, thing: Known) -> Iterable[Cell]:
-        for place in thing.places:
-            if place.row < 0:
-                yield None
-            else:
-                x, y, _ = self._memory.positions.raw[place.row].tolist()
-                yield math.floor(x / CELL_M), math.floor(y / CELL_M)
+    def _forget_index(self) -> None:
+        self._complete.clear()
+        self._index.clear()
 
     # from the store
-    def fetch(self, places: NDArray[np.float64], reach_m: NDArray[np.float64], now_ms: int) -> None:
+    def fetch(self, places: Floats, noise: Floats, shared_m2: float, now_ms: int) -> None:
         """Bring back what the store knows around some positions (n, 3), NaN where unknown.
 
-        reach_m (n,): one sigma of how far off a position may be.
+        noise (n, 3, 3): covariance of each; shared_m2: variance along each axis of what all of
+        them have in common.
         """
         if self.outside == 0:
             return
+        axes = (0, 1, 2)
+        variance = noise[:, axes, axes] + shared_m2
+        self._ask(places, variance)
         ids, self._wanted = self._wanted, set()
-        for cell in self._missing(places, reach_m):
+        ids |= self._index.near(places, variance, self._parameters.gate_sigmas)
+        ids = {each for each in ids if self._is_away(each)}
+        if ids:
+            self._load(sorted(ids), now_ms)
+
+    def _ask(self, places: Floats, variance: Floats) -> None:
+        """Learn what the store has around some places, where that is not known yet."""
+        for cell in self._missing(places, variance):
             if cell is None:
                 found = [stay for stay in self._ledger.stays() if stay.position is None]
             else:
                 low_x, low_y = cell[0] * CELL_M, cell[1] * CELL_M
                 area = Area(low_x, low_y, low_x + CELL_M, low_y + CELL_M)
-                found = self._ledger.stays(area=area)
-            ids |= {stay.object_id for stay in found if stay.site == self._stored.site}
+                # the area's far sides belong to the next squares
+                found = [stay for stay in self._ledger.stays(area=area) if _cell_of(stay) == cell]
             self._complete.add(cell)
-        known = {thing.object_id for thing in self._memory.things.values()}
-        if ids - known:
-            self._load(sorted(ids - known), now_ms)
+            for stay in found:
+                if stay.site == self._stored.site and self._is_away(stay.object_id):
+                    self._remember(stay)
 
-    def _missing(self, places: NDArray[np.float64], reach_m: NDArray[np.float64]) -> list[Cell]:
-        wanted: set[Cell] = {None}
-        for (x, y, _), sigma in zip(places.tolist(), reach_m.tolist(), strict=True):
-            if math.isnan(x):
-                continue
-            reach = REACH_SIGMAS * sigma
-            for column in range(
-                math.floor((x - reach) / CELL_M), math.floor((x + reach) / CELL_M) + 1
-            ):
-                low, high = math.floor((y - reach) / CELL_M), math.floor((y + reach) / CELL_M)
-                wanted |= {(column, row) for row in range(low, high + 1)}
-        missing = wanted - self._complete
-        return sorted(missing, key=lambda cell: (cell is not None, cell or (0, 0)))
+    def _is_away(self, object_id: str) -> bool:
+        """Say whether an object may be in a later frame and is not in memory."""
+        return not is_by_look(object_id) and number_of(object_id) not in self._memory.things
+
+    def _missing(self, places: Floats, variance: Floats) -> list[Cell]:
+        missing: list[Cell] = [] if None in self._complete else [None]
+        known = [
+            (x, y, REACH_SIGMAS * (math.sqrt(vx + vy + vz) + SPREAD_M))
+            for (x, y, _), (vx, vy, vz) in zip(places.tolist(), variance.tolist(), strict=True)
+            if not math.isnan(x)
+        ]
+        if not known:
+            return missing
+        left, low = (math.floor(min(k[i] - k[2] for k in known) / CELL_M) for i in (0, 1))
+        right, high = (math.floor(max(k[i] + k[2] for k in known) / CELL_M) for i in (0, 1))
+        missing += [
+            (column, row)
+            for column in range(left, right + 1)
+            for row in range(low, high + 1)
+            if (column, row) not in self._complete
+        ]
+        return missing
 
     def _load(self, ids: list[str], now_ms: int) -> None:
         stays: dict[str, list[StayRecord]] = {}
@@ -203,9 +241,11 @@ class Recall:
             if is_by_look(record.object_id):  # no detector knows it, so no detection is of it
                 continue
             thing = self._known(record)
+            thing.fetched_ms = now_ms
             for stay in stays.get(record.object_id, []):
                 thing.places.append(self._place(thing, stay, open_of.get(stay.key)))
                 thing.seen += stay.seen
+            self._index.remove(record.object_id)
             self.outside -= 1
 
     def _known(self, record: ObjectRecord) -> Known:
@@ -251,21 +291,19 @@ class Recall:
         return place
 
     def to_state(self) -> Json:
-        """Return what is fetched already, as JSON."""
-        squares = sorted(cell for cell in self._complete if cell is not None)
-        return {
-            "cells": squares,
-            "nowhere": None in self._complete,
-            "outside": self.outside,
-            "wanted": sorted(self._wanted),
-        }
+        """Return what is known of the store beside what it holds, as JSON."""
+        return {"outside": self.outside, "wanted": sorted(self._wanted)}
 
     def restore(self, record: Json) -> None:
-        """Go on where `to_state` was called."""
-        self._complete = {(x, y) for x, y in record["cells"]}
-        self._complete |= {None} if record["nowhere"] else set()
+        """Go on where `to_state` was called; where things are the store tells again."""
         self.outside = record["outside"]
         self._wanted = set(record["wanted"])
+
+
+def _cell_of(stay: StayRecord) -> Cell:
+    if stay.position is None:
+        return None
+    return math.floor(stay.position[0] / CELL_M), math.floor(stay.position[1] / CELL_M)
 
 
 def is_histogram(model: str | None) -> bool:

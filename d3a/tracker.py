@@ -23,7 +23,7 @@ from d3a.likelihood import CategoryModel
 from d3a.matching import Matcher, Observed
 from d3a.memory import Known, Memory, Place
 from d3a.memory_state import memory_of_state, memory_state
-from d3a.merging import Evidence, likely_same, merge, never_together, reachable
+from d3a.merging import Evidence, likely_same, merge, never_together
 from d3a.model import Json
 from d3a.moves import Moves, apply_link
 from d3a.parameters import Parameters
@@ -89,16 +89,20 @@ class TrackerPipeline:
         self._matcher.update(observed, moved, scene.pose)
         self._meet(scene.ref, seen, found)
         self._absence.watch(scene, seen, self._matcher.offset)
-        for gone in self._recall.evict():
+        self._leave(self._recall.evict())
+
+    def _leave(self, gone: list[Known]) -> None:
+        """Forget what was kept beside the memory of things that are in it no more."""
+        if gone:
             self._encounters.write(self._ledger)
-            self._encounters.forget(gone.object_id)
-            self._absence.forget(gone)
-            self._moves.compared.discard(gone.number)
+            self._encounters.forget({thing.object_id for thing in gone})
+        for thing in gone:
+            self._absence.forget(thing)
+            self._moves.compared.discard(thing.number)
 
     def _fetch(self, observed: Observed, scene: Scene) -> None:
-        noise = np.trace(observed.noise, axis1=1, axis2=2)
-        shared = 0.0 if scene.pose is None else 3 * self._parameters.pose_sigma_m**2
-        self._recall.fetch(observed.places, np.sqrt(noise + shared) + 1.0, scene.ref.time_ms)
+        shared = 0.0 if scene.pose is None else self._parameters.pose_sigma_m**2
+        self._recall.fetch(observed.places, observed.noise, shared, scene.ref.time_ms)
 
     def _born(self, observed: Observed, i: int, ref: FrameRef) -> tuple[Known, Place]:
         thing = Known(self._next_number, {}, ref.time_ms, ref.time_ms)
@@ -194,20 +198,18 @@ class TrackerPipeline:
             matcher.neighbours,
             self._parameters,
         )
-        still = []
-        near = {thing.number for thing in reachable(missed, found, evidence)}
-        for thing in missed:
-            likely = likely_same(thing, found, evidence) if thing.number in near else []
+        for thing, near in evidence.near(missed, found):
+            if thing.row < 0:  # one of the found ones was it
+                continue
+            likely = likely_same(thing, [each for each in near if each.row >= 0], evidence)
             if likely:
                 self.write()
             same = never_together(thing, likely, self._ledger) if likely else None
-            if same is None or self._must_stay(thing, same):
-                still.append(thing)
-            else:
+            if same is not None and not self._must_stay(thing, same):
                 was, becomes = merge(thing, same, self._memory, self._ledger, self._parameters)
                 self._encounters.rename(was, becomes)
                 self._events.append(Became(entry_name(was), entry_name(becomes), "the same thing"))
-        return still
+        return [thing for thing in missed if thing.row >= 0]
 
     def _doubted(self) -> list[Known]:
         """Return what depth spoke against when it was seen, and nobody saw again for long."""
@@ -233,7 +235,7 @@ class TrackerPipeline:
             is_doubted = place.doubt >= parameters.doubt_odds and place.last_ms < closed_ms
             is_missed = all(p.evidence + p.doubt >= parameters.expire_odds for p in thing.places)
             if (is_missed or is_doubted) and not self._is_told(thing):
-                self._encounters.forget(thing.object_id)
+                self._encounters.forget({thing.object_id})
                 self._ledger.remove_object(thing.object_id)
                 name = entry_name((thing.object_id, thing.places[0].number))
                 self._events.append(Became(name, None, EXPIRED))
@@ -263,10 +265,7 @@ class TrackerPipeline:
         """Take in what people changed in the store; all of the memory is written."""
         if not changed.before | changed.after:
             return
-        for gone in self._recall.refetch(changed.before, changed.after):
-            self._encounters.forget(gone.object_id)
-            self._absence.forget(gone)
-            self._moves.compared.discard(gone.number)
+        self._leave(self._recall.refetch(changed.before, changed.after))
 
     def _must_stay(self, one: Known, other: Known) -> bool:
         """Say whether two things may not be made one: names, and what a person told, stay."""
