@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -34,7 +35,9 @@ def open_detector(name: str, options: Mapping[str, str] | None = None) -> Detect
         from d3a.detectors.onnx import OnnxDetector
 
         return OnnxDetector(Path(name), given)
-    return _Plugin(name, plugins.load(plugins.DETECTORS, name, given, BUILT_IN), given)
+    made = plugins.load(plugins.DETECTORS, name, given, BUILT_IN)
+    kind = _BatchPlugin if callable(getattr(made, "detect_all", None)) else _Plugin
+    return kind(name, made, given)
 
 
 class _Plugin:
@@ -63,15 +66,42 @@ class _Plugin:
 
     def detect(self, frame: Frame, pixels: Pixels | None) -> tuple[Detection, ...]:
         """Return what the plug-in finds; BadInput where it fails or gives something else."""
-        try:
+        with self._told(frame):
             found = tuple(self._made.detect(frame, pixels))
+        return tuple(self._clean(each) for each in found)
+
+    @contextmanager
+    def _told(self, frame: Frame) -> Iterator[None]:
+        try:
+            yield
         except Exception as error:
             what = f"{self._what} on frame {frame.name}"
             raise BadInput(plugins.failure(what, error)) from error
-        return tuple(self._clean(each) for each in found)
 
     def _clean(self, found: Any) -> Detection:
         if not isinstance(found, Detection):
             raise BadInput(f"{self._what} gave {type(found).__name__}, not d3a.model.Detection")
         category = category_of(found.category, Skipped(), self._what)
         return replace(found, category=category, embedding=None, row=None)
+
+
+class _BatchPlugin(_Plugin):
+    """A detector of another package that takes several frames at once."""
+
+    def __init__(self, entry: str, made: Any, options: Mapping[str, str]) -> None:
+        super().__init__(entry, made, options)
+        self.batch: int = getattr(made, "batch", 0)
+        if not isinstance(self.batch, int) or self.batch < 1:
+            raise BadInput(f"{self._what} has detect_all, and no batch of 1 or more")
+
+    def detect_all(
+        self, frames: Sequence[Frame], pictures: Sequence[Pixels | None]
+    ) -> list[tuple[Detection, ...]]:
+        """Return what the plug-in finds in each frame; BadInput as `detect`."""
+        if not frames:
+            return []
+        with self._told(frames[0]):
+            found = [tuple(each) for each in self._made.detect_all(frames, pictures)]
+        if len(found) != len(frames):
+            raise BadInput(f"{self._what} gave {len(found)} answers for {len(frames)} frames")
+        return [tuple(self._clean(one) for one in each) for each in found]

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from d3a.detectors.base import BatchDetector
 from d3a.detectors.opening import open_detector
 from d3a.embedders.opening import open_embedder
 from d3a.model import BadInput, Detection, Frame
@@ -86,6 +87,20 @@ class Listed(Broken):
     classes = "cup"
 
 
+class Several(RedThings):
+    batch = 2
+
+    def detect_all(self, frames, pictures):
+        if any(pixels is not None and pixels.max() < 115 for pixels in pictures):
+            raise MemoryError
+        found = [self.detect(*pair) for pair in zip(frames, pictures)]
+        return found[1:] if frames[0].name == "short" else found
+
+
+class Unsaid(Several):
+    batch = "two"
+
+
 number = 7
 '''
 METADATA = "Metadata-Version: 2.1\nName: {name}\nVersion: 1.2\n"
@@ -96,6 +111,8 @@ wrong = {module}:Wrong
 escaping = {module}:Escaping
 listed = {module}:Listed
 number = {module}:number
+several = {module}:Several
+unsaid = {module}:Unsaid
 gone = {module}:NotThere
 nowhere = no_such_module_of_anybody:Thing
 
@@ -149,6 +166,23 @@ def test_an_embedder_of_another_package_carries_the_colours_too(site: Path) -> N
     assert vectors[0, :3] == pytest.approx(np.array([220, 30, 30]) / 224.05, abs=1e-3)
 
 
+def test_a_plug_in_may_take_several_frames_at_once(site: Path) -> None:
+    opened: object = open_detector("several")
+    assert isinstance(opened, BatchDetector)
+    found: BatchDetector = opened
+    assert found.batch == 2
+    frames = [Frame("a", 0), Frame("b", 1)]
+    pictures = [scene({(1, 1): "cup"}), scene({(2, 2): "book"})]
+    assert [len(each) for each in found.detect_all(frames, pictures)] == [1, 0]
+    assert found.detect_all([], []) == []
+    with pytest.raises(BadInput, match="'several' on frame a failed: MemoryError"):
+        found.detect_all(frames, [pictures[0], scene({})])
+    with pytest.raises(BadInput, match="'several' gave 1 answers for 2 frames"):
+        found.detect_all([Frame("short", 0), frames[1]], pictures)
+    one = open_detector("red")
+    assert not isinstance(one, BatchDetector)
+
+
 def test_plug_ins_can_be_sent_to_another_process(site: Path) -> None:
     detector = pickle.loads(pickle.dumps(open_detector("red", {"least": "50"})))
     assert detector.identity == 'red d3a-red 1.2 {"least": "50"}'
@@ -175,6 +209,7 @@ def test_nothing_is_imported_before_it_is_asked_for(site: Path) -> None:
         ("gone", {}, "failed: AttributeError: module 'd3a_red' has no attribute 'NotThere'"),
         ("nowhere", {}, "failed: ModuleNotFoundError: No module named"),
         ("number", {}, "failed: TypeError: 'int' object is not callable"),
+        ("unsaid", {}, "has detect_all, and no batch of 1 or more"),
         ("listed", {}, "has classes that are no list of names"),
     ],
 )
