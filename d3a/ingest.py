@@ -47,7 +47,7 @@ WHOLE = Live()
 
 
 class NothingYet(BadInput):
-    """An ingest that follows a recording was stopped before its first frame came."""
+    """The recording has no frame, or none yet."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -167,10 +167,8 @@ class _Run:
         frames: Iterator[Frame | None] = iter(self._reader)
         facts = self._reader.facts
         first = next((frame for frame in frames if frame is not None), None)
-        if first is None and self._live.should_stop():
-            raise NothingYet(f"nothing came of {facts.name!r} before it was stopped")
         if first is None:
-            raise BadInput(f"the recording {facts.name!r} has no frame to read")
+            raise NothingYet(f"the recording {facts.name!r} has no frame to read")
         self._check_seen(first)
         key = f"{facts.name}|{first.name}|{first.time_ms}"
         agree(self._intake, self._store, key, self._detector.identity)

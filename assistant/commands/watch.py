@@ -121,7 +121,7 @@ class _Run:
 
     def watch(self, store: Store, patience: Patience) -> IngestSummary | None:
         """Follow the source until it is over or stopped; None where nothing came."""
-        from d3a.watch import Watching, watch
+        from d3a.watch import Watching, is_address, watch
 
         detector, embedder = self._looking.open_detector(), self._looking.open_embedder()
         self._say(f"watching {self._source}")
@@ -129,6 +129,7 @@ class _Run:
             parameters=self._wanted.parameters(),
             should_stop=patience.should_stop,
             fresh_s=self._fresh_s,
+            is_resumable=not is_address(self._source),
             intake=self._wanted.intake(self._settings.zone),
             detector=detector,
             embedder=embedder,

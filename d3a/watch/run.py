@@ -25,13 +25,15 @@ FRESH_S = 2.0
 class Watching:
     """What an ingest that follows a recording needs besides the recording and the store.
 
-    fresh_s: the store is at most this much older than what came. on_again: told when something
-    was forgotten meanwhile and the ingest goes on from its last checkpoint.
+    fresh_s: the store is at most this much older than what came. is_resumable: whether the
+    recording can be followed from its start again; else one that is stopped is ended. on_again:
+    told when something was forgotten meanwhile and the ingest goes on from its last checkpoint.
     """
 
     parameters: Parameters
     should_stop: Callable[[], bool]
     fresh_s: float = FRESH_S
+    is_resumable: bool = True
     intake: Intake = EVERYTHING
     detector: Detector | None = None
     embedder: Embedder | None = None
@@ -48,6 +50,7 @@ def watch(
     recording that is over is as a plain ingest leaves it; one that was stopped is left open, and
     goes on when it is watched or ingested again. Raises as `ingest`.
     """
+    asked = watching.should_stop if watching.is_resumable else lambda: False
     while True:
         follower = opened()
         if follower is None:
@@ -61,9 +64,11 @@ def watch(
                 embedder=watching.embedder,
                 on_progress=watching.on_progress,
                 intake=watching.intake,
-                live=Live(watching.fresh_s, watching.should_stop),
+                live=Live(watching.fresh_s, asked),
             )
         except NothingYet:
-            return None
+            if watching.should_stop():
+                return None
+            raise
         except ForgottenMeanwhile as error:
             watching.on_again(str(error))

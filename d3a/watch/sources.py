@@ -14,6 +14,7 @@ from d3a.readers.options import Options
 from d3a.watch.folder import FolderFollower
 from d3a.watch.patience import Patience
 from d3a.watch.recording import RecordingFollower
+from d3a.watch.rosbridge import OPTIONS, RosbridgeFollower, is_address
 
 READ_ANEW = ("pictures", "tum", "csv")
 """Formats that a growing folder may have besides `recording`."""
@@ -31,10 +32,14 @@ def follow(
 ) -> Follower | None:
     """Return the reader that follows a growing recording; None where it was stopped before.
 
-    What is not there yet is waited for; on_note is told once what is missing. Arguments as of
-    `open_source`. has_detector: boxes in the folder are not waited for. Raises BadInput for what
-    is no recording that can be followed, or did not become one while patience lasted.
+    A source ws://... is a robot's rosbridge. What is not there yet is waited for; on_note is told
+    what is missing. Arguments as of `open_source`. has_detector: boxes in the folder are not
+    waited for. Raises BadInput for what is no recording that can be followed, or did not become
+    one while patience lasted.
     """
+    if isinstance(source, str) and is_address(source):
+        chosen = Options(Path(), options, known=OPTIONS, zone=zone, reader="a live robot")
+        return RosbridgeFollower(source, patience, chosen, on_note)
     path = Path(source)
     told = False
     while not patience.should_stop():
