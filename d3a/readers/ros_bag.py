@@ -86,10 +86,10 @@ def _damage() -> tuple[type[Exception], ...]:
     import apsw
     from rosbags.highlevel import anyreader
 
-    usual = (AssertionError, EOFError, LookupError, OSError, RuntimeError, TypeError, ValueError)
     return (
-        *usual,
-        struct.error,
+        *ros_salvage.broken_record(),
+        AssertionError,
+        TypeError,
         anyreader.AnyReaderError,
         *anyreader.ReaderErrors,
         apsw.Error,

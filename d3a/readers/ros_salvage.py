@@ -13,14 +13,14 @@ from collections.abc import Collection, Iterator
 from contextlib import closing
 from io import BytesIO
 from pathlib import Path
-from typing import BinaryIO, Protocol
+from typing import Any, BinaryIO, Protocol
 from urllib.parse import quote
 
 ROS1_MAGIC, MCAP_MAGIC = b"#ROSBAG V2.0\n", b"\x89MCAP0\r\n"
 SQLITE_MAGIC = b"SQLite format 3\0"
 MOST_BYTES = 1 << 30
 """A record that claims more is no record."""
-_MESSAGE, _CHUNK, _CONNECTION = 2, 5, 7
+_MESSAGE, _CHUNK, _CONNECTION = b"\2", b"\5", b"\7"
 _SCHEMA, _CHANNEL, _MCAP_MESSAGE, _MCAP_CHUNK = 3, 4, 5, 6
 Found = tuple[str, int, bytes]
 """Topic, receive time in nanoseconds, content."""
@@ -83,6 +83,21 @@ def _exactly(file: BinaryIO, size: int) -> bytes:
     return content
 
 
+def zstd() -> Any:
+    """Return the module that unpacks zstd: Python's own from 3.14 on, else rosbags' choice."""
+    try:
+        from compression import zstd as module
+    except ImportError:
+        from backports import zstd as module
+    return module
+
+
+def broken_record() -> tuple[type[Exception], ...]:
+    """Return what a record raises that is not what it says it is."""
+    usual = (EOFError, LookupError, OSError, RuntimeError, ValueError, struct.error)
+    return (*usual, zstd().ZstdError)
+
+
 def _unpacked(content: bytes, how: str) -> bytes:
     """Return a chunk's plain bytes; ValueError for a way of packing that is not known."""
     if how in ("", "none"):
@@ -94,12 +109,7 @@ def _unpacked(content: bytes, how: str) -> bytes:
 
         return bytes(frame.decompress(content))
     if how == "zstd":
-        try:
-            from compression import zstd  # type: ignore[import-not-found,unused-ignore]
-        except ImportError:
-            from backports import zstd
-
-        return bytes(zstd.decompress(content))
+        return bytes(zstd().decompress(content))
     raise ValueError(f"chunks packed with {how!r} cannot be read")
 
 
@@ -128,17 +138,21 @@ class CutRos1:
                 content = _sized(file)
             except (EOFError, struct.error):
                 return  # here it breaks off, which is known
-            kind = header.get(b"op", b"\0")[0]
+            kind = header.get(b"op", b"\0")[:1]
+            try:
+                if kind == _CHUNK:
+                    plain = _unpacked(content, header.get(b"compression", b"none").decode())
+                elif kind == _CONNECTION:
+                    self._connect(header, content)
+                elif kind == _MESSAGE:
+                    (number,) = struct.unpack("<I", header[b"conn"])
+                    seconds, nanoseconds = struct.unpack("<II", header[b"time"])
+            except broken_record():
+                continue  # the file is known to be damaged; its next record may be sound
             if kind == _CHUNK:
-                plain = _unpacked(content, header.get(b"compression", b"none").decode())
                 yield from self._within(BytesIO(plain))
-            elif kind == _CONNECTION:
-                self._connect(header, content)
-            elif kind == _MESSAGE:
-                (number,) = struct.unpack("<I", header[b"conn"])
-                seconds, nanoseconds = struct.unpack("<II", header[b"time"])
-                if number in self._known:
-                    yield number, seconds * 10**9 + nanoseconds, content
+            elif kind == _MESSAGE and number in self._known:
+                yield number, seconds * 10**9 + nanoseconds, content
 
     def _connect(self, header: dict[bytes, bytes], content: bytes) -> None:
         (number,) = struct.unpack("<I", header[b"conn"])
@@ -177,6 +191,14 @@ def _fields(content: bytes) -> dict[bytes, bytes]:
     return fields
 
 
+def _chunk(record: BinaryIO) -> bytes:
+    """Return the records of an MCAP chunk."""
+    _exactly(record, 28)
+    how = _sized(record).decode()
+    (length,) = struct.unpack("<Q", _exactly(record, 8))
+    return _unpacked(_exactly(record, length), how)
+
+
 class CutMcap:
     """An MCAP file without a summary."""
 
@@ -202,23 +224,29 @@ class CutMcap:
                 content = _exactly(file, size)
             except EOFError:
                 return  # here it breaks off, which is known
-            record = BytesIO(content)
-            if kind == _SCHEMA:
-                (number,) = struct.unpack("<H", _exactly(record, 2))
-                name, encoding, text = (_sized(record).decode(errors="replace") for _ in range(3))
-                self._schemas[number] = (name, encoding, text)
-            elif kind == _CHANNEL:
-                number, schema = struct.unpack("<HH", _exactly(record, 4))
-                self._channels[number] = (_sized(record).decode(errors="replace"), schema)
-            elif kind == _MCAP_MESSAGE:
-                number, _, time_ns, _ = struct.unpack("<HIQQ", _exactly(record, 22))
-                if number in self._channels:
-                    yield number, time_ns, record.read()
-            elif kind == _MCAP_CHUNK:
-                _exactly(record, 28)
-                how = _sized(record).decode()
-                (length,) = struct.unpack("<Q", _exactly(record, 8))
-                yield from self._within(BytesIO(_unpacked(_exactly(record, length), how)))
+            record, plain = BytesIO(content), b""
+            try:
+                if kind in (_SCHEMA, _CHANNEL):
+                    self._define(kind, record)
+                elif kind == _MCAP_MESSAGE:
+                    number, _, time_ns, _ = struct.unpack("<HIQQ", _exactly(record, 22))
+                elif kind == _MCAP_CHUNK:
+                    plain = _chunk(record)
+            except broken_record():
+                continue  # the file is known to be damaged; its next record may be sound
+            if kind == _MCAP_CHUNK:
+                yield from self._within(BytesIO(plain))
+            elif kind == _MCAP_MESSAGE and number in self._channels:
+                yield number, time_ns, record.read()
+
+    def _define(self, kind: int, record: BinaryIO) -> None:
+        (number,) = struct.unpack("<H", _exactly(record, 2))
+        if kind == _SCHEMA:
+            name, encoding, text = (_sized(record).decode(errors="replace") for _ in range(3))
+            self._schemas[number] = (name, encoding, text)
+        else:
+            (schema,) = struct.unpack("<H", _exactly(record, 2))
+            self._channels[number] = (_sized(record).decode(errors="replace"), schema)
 
     def topics(self) -> list[tuple[str, str, int | None]]:
         """Return what was found before the break."""
