@@ -144,7 +144,7 @@ def main() -> None:
     parser.add_argument("--question", default="Where are my keys?")
     parser.add_argument("--runs", type=int, default=10)
     given = parser.parse_args()
-    store = given.store or _demo()
+    store = given.store or demo()
     question = given.question
     click.echo(f"{'':<28} {'median':>7} {'best':>7} {'cpu':>7}  ms, of {given.runs} runs")
     asked = ["ask", question, "--store", store]
@@ -164,7 +164,8 @@ def main() -> None:
     click.echo(asyncio.run(answers(store, question, given.runs)).line("chat, Enter to answer"))
 
 
-def _demo() -> str:
+def demo() -> str:
+    """Return the address of the filled demo store."""
     from assistant.cli import clock
     from assistant.config import Settings
     from assistant.demo import demo_store
