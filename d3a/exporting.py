@@ -121,7 +121,7 @@ def _write_csv(content: _Content, store: Store, out: Path, zone: tzinfo) -> int:
         rows = csv.writer(file)
         rows.writerow(COLUMNS)
         for key, stay in sorted(content.stays.items()):
-            room = room_of(regions, stay.position)
+            room = room_of(regions, stay.position, stay.site)
             place = [*(stay.position or ("", "", "")), plain_cell(room or "")]
             rows.writerow(
                 [

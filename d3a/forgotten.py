@@ -204,7 +204,7 @@ def _lessened(
 
 def _is_chosen(stay: StayRecord, selection: Selection) -> bool:
     region = selection.region
-    return region is None or room_of([region], stay.position) is not None
+    return region is None or room_of([region], stay.position, stay.site) is not None
 
 
 def _lost_absence(stay: StayRecord, record: ObjectRecord, selection: Selection) -> bool:
@@ -290,4 +290,4 @@ def _take_views(removal: Removal, store: Store, selection: Selection) -> None:
 
 def _is_inside(view: View, region: Region) -> bool:
     known = view.x is not None and view.y is not None
-    return known and room_of([region], (view.x or 0.0, view.y or 0.0, 0.0)) is not None
+    return known and room_of([region], (view.x or 0.0, view.y or 0.0, 0.0), view.site) is not None

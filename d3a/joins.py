@@ -81,6 +81,8 @@ class Link(NamedTuple):
 _NO_BOX: Box = (math.nan, math.nan, math.nan, math.nan)
 _NO_POSE = (math.nan,) * 7
 _NO_SIZE = (math.nan, math.nan)
+FAR_M = 1e6
+"""How far apart the maps of two sites are laid; a store's places are nearer to zero."""
 
 
 def links(
@@ -242,9 +244,11 @@ def pairs_of(
     extents_a = [figure.candidates[link.figure[0]].record.extent_m for link in found]
     extents_b = [ground.candidates[link.ground[0]].record.extent_m for link in found]
     upright = [math.hypot(up_of(a), up_of(b)) for a, b in zip(stays_a, stays_b, strict=True)]
+    # each site has a map of its own: another's is laid where nothing is near
+    others = [a and b and a.site != b.site for a, b in zip(stays_a, stays_b, strict=True)]
     return Pairs(
         position_a=positions(stays_a),
-        position_b=positions(stays_b),
+        position_b=positions(stays_b) + FAR_M * np.array(others, dtype=bool)[:, None],
         sigma=np.array(sigma, dtype=np.float64),
         box_a=_array([own for own, _ in boxes], 4),
         box_b=_array([other for _, other in boxes], 4),

@@ -141,11 +141,14 @@ def _is_large(record: ObjectRecord, lexicon: Lexicon) -> bool:
 def probability_inside(region: Region, stays: Sequence[StayRecord]) -> NDArray[np.float64]:
     """Return how likely each stay lies inside of the room (n,), NaN without a position.
 
-    The distance to the nearest wall against the position's deviation: on the wall it is 0.5.
+    The distance to the nearest wall against the position's deviation: on the wall it is 0.5. In a
+    room of another site, which has a map of its own, is nothing: 0.
     """
     result = np.full(len(stays), np.nan)
     for i, stay in enumerate(stays):
-        if stay.position is not None:
+        if not is_of(region, stay.site):
+            result[i] = -np.inf
+        elif stay.position is not None:
             depth = _depth_inside(region.polygon, stay.position[0], stay.position[1])
             result[i] = depth / sigma_of(stay)
     known = ~np.isnan(result)
@@ -168,12 +171,17 @@ def up_of(stay: StayRecord | None) -> float:
     return max(math.sqrt(max(stay.covariance[8], 0.0)), 0.02)
 
 
-def room_of(regions: Sequence[Region], position: Position | None) -> str | None:
-    """Return the name of the room that holds a position, the smallest where rooms overlap."""
+def is_of(region: Region, site: str) -> bool:
+    """Say whether a room is on the map of a site; one without a site is on every map."""
+    return region.site in ("", site)
+
+
+def room_of(regions: Sequence[Region], position: Position | None, site: str) -> str | None:
+    """Return the name of the site's room that holds a position, the smallest of several."""
     if position is None:
         return None
     x, y = position[0], position[1]
-    near = [r for r in regions if _may_hold(r.polygon, x, y)]
+    near = [r for r in regions if is_of(r, site) and _may_hold(r.polygon, x, y)]
     holding = [r for r in near if _depth_inside(r.polygon, x, y) >= 0]
     return min(holding, key=lambda r: (area_m2(r.polygon), r.name)).name if holding else None
 
@@ -187,7 +195,7 @@ def last_look(views: Sequence[View], region: Region) -> int | None:
 
 
 def _looks_into(view: View, region: Region, middle: tuple[float, float]) -> bool:
-    if view.x is None or view.y is None:
+    if view.x is None or view.y is None or not is_of(region, view.site):
         return False
     if _depth_inside(region.polygon, view.x, view.y) >= 0:
         return True

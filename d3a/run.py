@@ -162,7 +162,7 @@ class Run:
         return spot
 
     def _spot(self, entry: Entry, stay: StayRecord) -> Spot:
-        room = room_of(self.facts.regions(), stay.position)
+        room = room_of(self.facts.regions(), stay.position, stay.site)
         landmark = self._near(entry, stay)
         if landmark is None:
             return Spot(room)

@@ -113,7 +113,7 @@ def list_places(context: click.Context, as_json: bool) -> None:
     with opened(settings) as store:
         regions = store.regions()
         newest = {stay.object_id: stay for stay in sorted(store.stays(), key=lambda s: s.last_ms)}
-    rooms = [room_of(regions, stay.position) for stay in newest.values()]
+    rooms = [room_of(regions, stay.position, stay.site) for stay in newest.values()]
     records = [_record(region, rooms.count(region.name)) for region in regions]
     if as_json:
         for record in records:

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from datetime import UTC, datetime
 
 import pytest
 
+from assistant.asking import ask
+from d3a.answer import Answer
 from d3a.ingest import ingest
 from d3a.model import Frame
 from d3a.parameters import PROFILES
-from d3a.readers.base import RecordingFacts
+from d3a.places import room_of
+from d3a.readers.base import RecordingFacts, Regions
 from tests.worlds.oracle import OracleStore
 from tests.worlds.rounds import ListReader, Thing, circle, rounds
 
@@ -79,3 +83,43 @@ def test_one_site_is_remembered_as_if_there_were_no_other(profile: str) -> None:
     ingest(ListReader(later(frames, LATER_MS), at("lab", "said")), store, parameters)
     # a recording that does not say its site is of none that is said
     assert {o.site for o in store.objects()} == {"", "lab"}
+
+
+@pytest.fixture
+def two_homes() -> OracleStore:
+    """A cup and a table near each other in one site; in the other the table is where a cup is."""
+    store = OracleStore()
+    cup, table = Thing("cup", (1.5, 0.0, 0.5), 1), Thing("table", (1.5, 0.2, 0.4), 2)
+    bowl = Thing("bowl", (1.5, 0.1, 0.5), 3)
+    for n, (site, seen) in enumerate((("home", [cup, table]), ("office", [bowl]))):
+        facts = replace(
+            at(site, site),
+            regions=Regions(((f"kitchen of the {site}", ((0, -2), (4, -2), (4, 2), (0, 2))),)),
+        )
+        frames = later(rounds(seen, 30, missed=0.0), n)  # two robots at one time
+        ingest(ListReader(frames, facts), store, PROFILES["default"])
+    return store
+
+
+def asked(store: OracleStore, question: str) -> Answer:
+    return ask(store, question, now=datetime(2026, 5, 1, 20, tzinfo=UTC))
+
+
+def test_questions_are_answered_across_sites(two_homes: OracleStore) -> None:
+    for word in ("cup", "bowl"):
+        assert asked(two_homes, f"Where is the {word}?").status == "found"
+
+
+def test_what_is_near_is_of_one_site(two_homes: OracleStore) -> None:
+    assert asked(two_homes, "Where is the cup near the table?").status == "found"
+    assert asked(two_homes, "Where is the bowl near the table?").status != "found"
+
+
+def test_a_room_holds_what_is_of_its_site(two_homes: OracleStore) -> None:
+    rooms = {
+        o.category: room_of(two_homes.regions(), stay.position, stay.site)
+        for o in two_homes.objects()
+        for stay in two_homes.stays(object_ids=[o.object_id])
+    }
+    assert rooms["cup"] == rooms["table"] == "kitchen of the home"
+    assert rooms["bowl"] == "kitchen of the office"
