@@ -169,11 +169,11 @@ def test_ctrl_c_ends_with_130_and_keeps_what_was_seen(tmp_path: Path) -> None:
 
 def test_what_is_forgotten_meanwhile_stays_forgotten_and_the_watch_goes_on(tmp_path: Path) -> None:
     whole = patrol(tmp_path / "whole", 150)
-    writer = (str(ROOT / "tests/worlds/growing.py"), str(whole), str(tmp_path / "grows"), "10")
+    writer = (str(ROOT / "tests/worlds/growing.py"), str(whole), str(tmp_path / "grows"), "6")
     store = tmp_path / "s.db"
     with (
         running(tmp_path, *writer),
-        running(tmp_path, *watching(tmp_path, "--until-idle", "2")) as watcher,
+        running(tmp_path, *watching(tmp_path, "--until-idle", "4", "--fresh", "3")) as watcher,
     ):
         until(lambda: frames_in(store) >= 10, "the first frames")
         # it says to run it again where a checkpoint came between its plan and its deed
