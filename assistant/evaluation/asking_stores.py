@@ -18,6 +18,7 @@ from assistant.evaluation.questions import Level
 from assistant.lexicon import VocabularyLexicon
 from d3a.answer import Answer, RankedKeyframe
 from d3a.execute import execute
+from d3a.metrics import CUT
 from d3a.plan import (
     FindObjects,
     FindSightings,
@@ -38,7 +39,7 @@ FORCED: dict[Level, Precision] = {
     "any": "any",
 }
 EVERYTHING = 1_000_000
-"""Keyframes asked for: all, as the paper counts them; ranks are cut afterwards."""
+"""Keyframes asked for where the method arranges them itself, as the paper's do: all."""
 RETRIEVING = (FindObjects, JudgeAttributes, FindSightings, FindStays, Relate, Rank)
 """The steps of retrieval and ranking; the rest tells a person more about what was found."""
 
@@ -72,9 +73,11 @@ class Asker:
         query = parsed.query
         if self._run.method.is_papers:
             return self._the_papers_way(query, level), parse_ms
+        if self._run.method.kind == "tiers":  # as a person asks: 50 pictures, each with its things
+            return self._execute(query, level, CUT * max(1, len(query.objects))), parse_ms
         return self._run.method.arrange(self._execute(query, level)), parse_ms
 
-    def _execute(self, query: FormalQuery, level: Level) -> Answer:
+    def _execute(self, query: FormalQuery, level: Level, limit: int = EVERYTHING) -> Answer:
         steps = plan(query, parameters=self._parameters, precision=FORCED[level])
         kept = tuple(step for step in steps.steps if isinstance(step, RETRIEVING))
         return execute(
@@ -82,7 +85,7 @@ class Asker:
             self._run.store,
             self._lexicon,
             now=self._now,
-            limit=EVERYTHING,
+            limit=limit,
             parameters=self._parameters,
         )
 

@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
+from assistant.asking import ask
 from assistant.evaluation import exp1, exp2, exp3, exp4, running, tables
-from assistant.evaluation.asking_stores import by_probability
+from assistant.evaluation.asking_stores import FORCED, Asker, by_probability
 from assistant.evaluation.commands import evaluate_command, parse_seeds, simulate_command
 from assistant.evaluation.exp2 import Outcome
 from assistant.evaluation.judging import Judge
@@ -28,7 +29,7 @@ from assistant.evaluation.methods import (
 from assistant.evaluation.questions import Question, draw
 from assistant.evaluation.worlds import Recorded, Steps, World, recorded
 from d3a.answer import Answer, RankedKeyframe
-from d3a.metrics import best_ids
+from d3a.metrics import CUT, best_ids
 from d3a.model import BadInput
 from d3a.store.opening import open_store
 
@@ -50,6 +51,26 @@ def source(work: Path) -> Recorded:
 def outcomes(work: Path) -> dict[str, Outcome]:
     steps = Steps(running.quiet, len(METHODS))
     return {o.method.key: o for o in exp2.run([SMALL], work, steps, count=8)}
+
+
+def test_the_experiments_are_told_what_a_person_is_told(source: Recorded, work: Path) -> None:
+    now = datetime.fromtimestamp(source.truth.span_ms[1] / 1000, source.zone)
+    asked = draw(source.truth, source.zone, np.random.default_rng(4), count=4, negatives=2)
+    told = 0
+    with filled(OURS, source, work / "as-told") as run:
+        teach(run.store, source.truth, run.assignments)
+        asker = Asker(run, now)
+        for question in asked:
+            limit = CUT * max(1, len(question.targets))
+            for level, text in question.texts.items():
+                if level == "perfect":  # what could not be taught is no word there
+                    continue
+                person = ask(run.store, text, now=now, limit=limit, precision=FORCED[level])
+                answer, _ = asker.ask(text, level)
+                shown = [(k.object_id, k.frame, k.box, k.score) for k in answer.keyframes]
+                assert shown == [(k.object_id, k.frame, k.box, k.score) for k in person.keyframes]
+                told += len(shown)
+    assert told > 100
 
 
 def test_every_method_answers_at_every_level(outcomes: dict[str, Outcome]) -> None:
