@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Set
-from dataclasses import fields, replace
+from dataclasses import fields
 from itertools import combinations
 
 from d3a.ledger import Ledger
@@ -102,16 +102,13 @@ class Encounters:
 
 
 def _grown(old: Encounter, ref: FrameRef, box_a: Box, box_b: Box, probability: float) -> Encounter:
-    grown = replace(old, end_ms=ref.time_ms, seen=old.seen + 1)
+    stays = old.object_a, old.object_b, old.place_a, old.place_b, old.start_ms, ref.time_ms
     if probability <= old.probability:
-        return grown
-    return replace(
-        grown,
-        frame=ref.name,
-        box_a=box_a,
-        box_b=box_b,
-        probability=probability,
-        image=ref.image,
-        recording=ref.recording,
-        viewer=ref.viewer,
-    )
+        return Encounter(
+            *stays, old.frame, old.box_a, old.box_b, old.probability, old.image, old.seen + 1,
+            old.recording, old.viewer,
+        )  # fmt: skip
+    return Encounter(
+        *stays, ref.name, box_a, box_b, probability, ref.image, old.seen + 1,
+        ref.recording, ref.viewer,
+    )  # fmt: skip

@@ -30,10 +30,27 @@ def position_ratio(
     distance counts: so the gates follow the covariance, and look and category decide where
     positions are useless.
     """
+    return np.asarray(position_ratios(squared, determinant, (space_m3,), parameters)[0])
+
+
+def position_ratios(
+    squared: Floats,
+    determinant: Floats,
+    spaces_m3: Sequence[Floats | float],
+    parameters: Parameters,
+) -> Floats:
+    """Return what `position_ratio` does for each of some spaces, (spaces, ...)."""
     dof = parameters.outlier_dof
     tail = -(dof + 3) / 2 * np.log1p(squared / dof)
     volume = np.sqrt(np.maximum(determinant, 1e-18)) * (2 * math.pi) ** 1.5
-    return np.asarray(tail + np.maximum(0.0, np.log(space_m3 / volume)))
+    ratios = np.empty((len(spaces_m3), *np.shape(squared)))
+    for k, space_m3 in enumerate(spaces_m3):
+        ratios[k] = space_m3
+    ratios /= volume
+    np.log(ratios, out=ratios)
+    np.maximum(ratios, 0.0, out=ratios)
+    ratios += tail
+    return ratios
 
 
 def feature(embedding: NDArray[np.float32], is_histogram: bool) -> Features:

@@ -40,6 +40,11 @@ class Observed:
     looks: NDArray[np.float32]
 
     @property
+    def nowhere(self) -> NDArray[np.bool_]:
+        """(n,): which have no position."""
+        return np.isnan(self.places[:, 0])
+
+    @property
     def boxes(self) -> Floats:
         """(n, 4): in pixels."""
         boxes = [thing.detection.box for thing in self.things]
@@ -70,6 +75,22 @@ class Observed:
 
 Match = tuple[Known, Place | None] | None
 """The thing and the place of it that a detection is at, None for a new thing."""
+
+
+@dataclass(frozen=True, slots=True)
+class Gated:
+    """Where rows of places go in a table of things: each thing's first, and its further ones.
+
+    rows: in the table of positions, by thing. columns: the thing of each. first, further: indices
+    of them. placeless: columns of things without a position. things: how many columns there are.
+    """
+
+    rows: NDArray[np.intp]
+    columns: list[int]
+    first: list[int]
+    further: list[int]
+    placeless: list[int]
+    things: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -155,12 +176,13 @@ class Matcher:
         if not things:
             return [None] * len(observed.things)
         scoring = self._scoring(observed, things)
-        place, at = self._place(observed, things, rows)
+        gated = self._gated(things, rows)
+        place, at = self._place(observed, gated)
         score = scoring.total(place)
         new = self._parameters.new_thing_odds
         taken = likelihood.assign(score, new)
         if self._align(observed, things, taken, at):
-            place, at = self._place(observed, things, rows)
+            place, at = self._place(observed, gated)
             score = scoring.total(place)
             taken = likelihood.assign(score, new)
         if scoring.likeness is not None:
@@ -201,7 +223,7 @@ class Matcher:
 
         What has no position is near everything, and to a detection without one all are.
         """
-        if len(observed.things) and np.isnan(observed.places[:, 0]).any():
+        if observed.nowhere.any():
             return [self._memory.things[number] for number in sorted(self._memory.things)]
         found = {self._memory.positions.owners[row][0].number for row in rows.tolist()}
         found |= {thing.number for thing in self._memory.placeless()}
@@ -232,35 +254,45 @@ class Matcher:
         beside = np.where(_is_placed(observed)[:, None], beside, same)
         return Scoring(agreed, differing, same, beside, likeness)
 
-    def _place(
-        self, observed: Observed, things: list[Known], rows: NDArray[np.intp]
-    ) -> tuple[Floats, NDArray[np.intp]]:
+    def _gated(self, things: list[Known], rows: NDArray[np.intp]) -> Gated:
+        """Return the columns that the rows of places have in the table of these things."""
+        owners = self._memory.positions.owners
+        number = {thing.number: column for column, thing in enumerate(things)}
+        columns = [number[owners[row][0].number] for row in rows.tolist()]
+        first: list[int] = []
+        further: list[int] = []
+        for k, column in enumerate(columns):  # rows are by thing
+            (further if k and column == columns[k - 1] else first).append(k)
+        placeless = [j for j, thing in enumerate(things) if all(p.row < 0 for p in thing.places)]
+        return Gated(rows, columns, first, further, placeless, len(things))
+
+    def _place(self, observed: Observed, gated: Gated) -> tuple[Floats, NDArray[np.intp]]:
         """Return the evidence of place, (2, n, m), and the row of the place it is of.
 
         First against another thing anywhere, then against one that stands beside. Row -1: none.
         """
-        shape = (len(observed.things), len(things))
+        shape = (len(observed.things), gated.things)
         place = np.full((2, *shape), NEVER)
         at = np.full(shape, -1, dtype=np.intp)
+        rows, columns, first = gated.rows, gated.columns, gated.first
         if len(rows):
             ratios = self._place_ratios(observed, rows)
-            owners = self._memory.positions.owners
-            number = {thing.number: column for column, thing in enumerate(things)}
-            columns = np.array([number[owners[row][0].number] for row in rows.tolist()])
-            first = np.r_[True, columns[1:] != columns[:-1]]  # rows are by thing
-            place[:, :, columns[first]] = ratios[:, :, first]
-            at[:, columns[first]] = rows[first]
-            for k in np.flatnonzero(~first).tolist():  # further places of a thing that moved
+            if not gated.further and len(first) == gated.things:
+                place, at[:] = ratios, rows
+            else:
+                target = [columns[k] for k in first]
+                place[:, :, target] = ratios[:, :, first]
+                at[:, target] = rows[first]
+            for k in gated.further:  # places of a thing that moved
                 better = ratios[0, :, k] > place[0, :, columns[k]]
                 place[:, better, columns[k]] = ratios[:, better, k]
                 at[better, columns[k]] = rows[k]
-        nowhere = np.isnan(observed.places[:, 0])
+        nowhere = observed.nowhere
         if nowhere.any():
             place[:, nowhere] = 0.0
             at[nowhere] = -1
-        placeless = [j for j, thing in enumerate(things) if all(p.row < 0 for p in thing.places)]
-        if placeless:
-            place[:, :, placeless] = 0.0
+        if gated.placeless:
+            place[:, :, gated.placeless] = 0.0
         return place, at
 
     def _learn(
@@ -304,12 +336,10 @@ class Matcher:
         covariances = (observed.noise + self.offset.covariance)[:, None] + positions.spread[rows]
         squared, determinant = likelihood.mahalanobis(residuals, covariances)
         beside = self.neighbours.space_m3(np.sqrt(np.sum(residuals**2, axis=2)))
-        inside = squared <= self._parameters.gate_sigmas**2
-        ratios = [
-            likelihood.position_ratio(squared, determinant, space, self._parameters)
-            for space in (self._parameters.space_m3, beside)
-        ]
-        return np.where(inside, np.stack(ratios), NEVER)
+        ratios = likelihood.position_ratios(
+            squared, determinant, (self._parameters.space_m3, beside), self._parameters
+        )
+        return np.where(squared <= self._parameters.gate_sigmas**2, ratios, NEVER)
 
     def _align(
         self,

@@ -102,7 +102,11 @@ def never_together(thing: Known, others: list[Known], ledger: Ledger) -> Known |
     met: set[str] = set()
     for encounter in ledger.encounters(thing.object_id):
         met |= {encounter.object_a, encounter.object_b}
-    return next((other for other in others if other.object_id not in met), None)
+    for other in others:
+        if other.object_id not in met:
+            return other
+        thing.met.add(other.number)  # not to be asked again
+    return None
 
 
 def _is_simple(thing: Known) -> bool:

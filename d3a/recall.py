@@ -29,7 +29,8 @@ CELL_M = 4.0
 EVICTED_SHARE = 16
 """When the memory is over its bound, a share of it goes at once (one in so many)."""
 REACH_SIGMAS, SPREAD_M = 3.0, 1.0
-"""How far around a position the store is asked, and how far off a thing there may be, one sigma."""
+"""What comes back is within so many sigmas along each axis: what is farther off is hardly ever what
+was seen. The store is asked what is around as if a thing there might be so far off, one sigma."""
 LEAST_M2 = 1e-6
 """No mean is known better than to a millimetre."""
 Floats = NDArray[np.float64]
@@ -183,7 +184,7 @@ class Recall:
         variance = noise[:, axes, axes] + shared_m2
         self._ask(places, variance)
         ids, self._wanted = self._wanted, set()
-        ids |= self._index.near(places, variance, self._parameters.gate_sigmas)
+        ids |= self._index.near(places, variance, REACH_SIGMAS)
         ids = {each for each in ids if self._is_away(each)}
         if ids:
             self._load(sorted(ids), now_ms)
@@ -235,6 +236,7 @@ class Recall:
             sighting.stay: Interval.from_sighting(sighting)
             for sighting in self._ledger.sightings(ids, now_ms - gap_ms, now_ms)
         }
+        placed: list[tuple[Known, Place, StayRecord]] = []
         for record in self._ledger.objects(ids=ids):
             if record.site != self._stored.site:  # a map of its own: its places are not these
                 continue
@@ -243,10 +245,14 @@ class Recall:
             thing = self._known(record)
             thing.fetched_ms = now_ms
             for stay in stays.get(record.object_id, []):
-                thing.places.append(self._place(thing, stay, open_of.get(stay.key)))
+                place = self._place(stay, open_of.get(stay.key))
+                thing.places.append(place)
                 thing.seen += stay.seen
+                if stay.position is not None:
+                    placed.append((thing, place, stay))
             self._index.remove(record.object_id)
             self.outside -= 1
+        self._settle(placed)
 
     def _known(self, record: ObjectRecord) -> Known:
         thing = Known(
@@ -267,8 +273,9 @@ class Recall:
         self._memory.looks.add(thing, look, record.weight)
         return thing
 
-    def _place(self, thing: Known, stay: StayRecord, interval: Interval | None) -> Place:
-        place = Place(
+    @staticmethod
+    def _place(stay: StayRecord, interval: Interval | None) -> Place:
+        return Place(
             number=stay.place,
             first_ms=stay.first_ms,
             last_ms=stay.last_ms,
@@ -278,17 +285,22 @@ class Recall:
             last_absent_ms=stay.last_absent_ms,
             open=interval,
         )
-        if stay.position is not None:
-            surface = np.eye(3) * self._parameters.object_spread_m**2
-            spread = np.reshape(stay.covariance or (surface * 2).ravel(), (3, 3))
-            # What is stored is the spread: the surface's share comes back when it is spread anew.
-            error = spread - surface
-            if np.linalg.eigvalsh(error)[0] < LEAST_M2:  # or else it could not be inverted
-                error = np.diag(np.maximum(np.diag(error), LEAST_M2))
+
+    def _settle(self, placed: list[tuple[Known, Place, StayRecord]]) -> None:
+        """Give places their stored positions, all at once."""
+        if not placed:
+            return
+        surface = np.eye(3) * self._parameters.object_spread_m**2
+        unknown = (surface * 2).ravel()
+        spread = np.array([unknown if s.covariance is None else s.covariance for *_, s in placed])
+        # What is stored is the spread: the surface's share comes back when it is spread anew.
+        errors = spread.reshape(-1, 3, 3) - surface
+        for k in np.flatnonzero(np.linalg.eigvalsh(errors)[:, 0] < LEAST_M2).tolist():
+            errors[k] = np.diag(np.maximum(np.diag(errors[k]), LEAST_M2))  # it is to be inverted
+        for (thing, place, stay), error in zip(placed, errors, strict=True):
             mean = np.array(stay.position)
             self._memory.positions.add(thing, place, mean, mean, error)
-            self._memory.positions.respread([place.row], self._parameters)
-        return place
+        self._memory.positions.respread([place.row for _, place, _ in placed], self._parameters)
 
     def to_state(self) -> Json:
         """Return what is known of the store beside what it holds, as JSON."""

@@ -125,12 +125,20 @@ class Interval:
 
     def union(self, other: Interval) -> Interval:
         """Return both as one, with the better keyframe."""
-        best = min(self, other, key=lambda each: (-each.probability, each.keyframe_ms))
-        return replace(
-            best,
-            start_ms=min(self.start_ms, other.start_ms),
-            end_ms=max(self.end_ms, other.end_ms),
-            seen=self.seen + other.seen,
+        is_better = (-other.probability, other.keyframe_ms) < (-self.probability, self.keyframe_ms)
+        best = other if is_better else self
+        return Interval(  # `replace` takes four times as long, and this is done for each view
+            min(self.start_ms, other.start_ms),
+            max(self.end_ms, other.end_ms),
+            self.seen + other.seen,
+            best.probability,
+            best.category,
+            best.frame,
+            best.keyframe_ms,
+            best.box,
+            best.image,
+            best.viewer,
+            best.recording,
         )
 
     def follows_on(self, later: Interval, parameters: Parameters) -> bool:

@@ -279,8 +279,8 @@ def things(detections: Sequence[Detection], parameters: Parameters) -> list[Thin
     The strongest box stands for it, the others add their votes (a chair that is also called a
     bench). Default profile: it replaces the window, as its tier 2 needs no second frame.
     """
-    if not detections:
-        return []
+    if len(detections) < 2:
+        return [Thing(d, ((d.category, d.probability),), (d,)) for d in detections]
     overlap = iou(np.array([d.box for d in detections], dtype=np.float64))
     free = np.ones(len(detections), dtype=bool)
     found = []
