@@ -154,7 +154,9 @@ class PictureView(Widget):
         cells, pixels = None, None
         try:
             if self._kind in PIXELS:
-                pixels = _in_pixels(shot, columns, rows, whole=whole)
+                # A sixel that ends on the last row but one scrolls the screen: one is left free.
+                spare = 1 if self._kind == "sixel" and rows > 2 else 0
+                pixels = _in_pixels(shot, columns, rows - spare, whole=whole)
             else:
                 cells = draw(shot, columns, rows, whole=whole, ascii_only=self._kind == "ascii")
             note = "" if cells or pixels else "no picture is stored for this keyframe"

@@ -9,20 +9,26 @@ from __future__ import annotations
 
 import io
 import os
+import re
 import sys
 from typing import TYPE_CHECKING, Protocol, cast
 
 from PIL import Image, ImageDraw
+from rich.segment import Segment
+from textual.strip import Strip
 
 from assistant.drawing import decode, scaled_box
 from assistant.protocols import USUAL_CELL, Cell, Kind
 from assistant.ui.cells import BOX_INK, BOX_PAPER, Region, crop_around
 
 if TYPE_CHECKING:
+    from textual.app import ComposeResult
+    from textual.geometry import Region as TextualRegion
     from textual.widget import Widget
 
     from assistant.ui.picture import Shot
 
+_MOVE = re.compile(r"\x1b\[\d+;\d+H$")
 _CELL_SIZE = ("TEXTUAL_CELL_WIDTH", "TEXTUAL_CELL_HEIGHT")
 
 
@@ -62,7 +68,38 @@ def widget(kind: Kind) -> Widget:
     load()
     from textual_image.widget import SixelImage, TGPImage
 
-    return TGPImage() if kind == "kitty" else SixelImage()
+    if kind == "kitty":
+        return TGPImage()
+    shown = SixelImage()
+    composed = shown.compose
+
+    def compose() -> ComposeResult:
+        for part in composed():
+            yield _ending_in_its_last_row(part)
+
+    shown.compose = compose  # type: ignore[method-assign]  # its class admits no heirs
+    return shown
+
+
+def _ending_in_its_last_row(part: Widget) -> Widget:
+    """Return the widget, its last row ending with the cursor in that row.
+
+    textual_image leaves it in the row below, so that what stands beside it is never drawn.
+    """
+    rendered = part.render_lines
+
+    def render_lines(crop: TextualRegion) -> list[Strip]:
+        lines = rendered(crop)
+        segments = list(lines[-1]) if lines else []
+        if segments:
+            region = part.screen.find_widget(part).visible_region
+            last = f"\x1b[{region.bottom};{region.right + 1}H"  # rows and columns count from 1
+            segments[-1] = Segment(_MOVE.sub(last, segments[-1].text), segments[-1].style)
+            lines[-1] = Strip(segments, crop.width)
+        return lines
+
+    part.render_lines = render_lines  # type: ignore[method-assign]  # of this one alone
+    return part
 
 
 def show(child: Widget, image: Image.Image | None, columns: int, rows: int) -> None:
