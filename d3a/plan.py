@@ -171,7 +171,7 @@ def _term_steps(
     find = FindObjects(var, term.category, term.word, term.owner, precision, votes)
     steps: list[Step] = [find]
     if (term.attributes or term.without) and precision not in ("category", "any"):
-        doubts = figure and _lists_doubts(query, term)
+        doubts = "." not in var and _lists_doubts(query, term)
         steps.append(JudgeAttributes(var, term.attributes, term.without, doubts))
     if query.time is not None and query.time.is_point and query.time.start is not None:
         steps.append(FindEdge(var, "last", query.time.start))

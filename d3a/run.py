@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from datetime import datetime
+from math import prod
 from typing import NamedTuple
 
 from d3a.answer import Reason, Status
@@ -18,6 +19,8 @@ from d3a.rank import Ranked
 from d3a.store.base import ObjectRecord, Region, Sighting, StayKey, StayRecord, Store
 from grammar.forms import ANYTHING, FormalQuery, ObjectTerm
 
+LEAST_TOGETHER = 0.25
+"""How likely the looks of all things in a relation must be, where those of some are doubtful."""
 _WORDS = {
     "in_front_of": "in front of",
     "left_of": "left of",
@@ -112,10 +115,23 @@ class Run:
         """Return the ids of what rather lacks the attributes asked for."""
         return frozenset().union(*(found.doubtful for found in self.found.values()))
 
+    def stands(self, moment: Moment) -> bool:
+        """Whether a moment is an answer by itself, not merely to be listed below others.
+
+        Nothing in it is doubtful; or of several things with looks in a relation some are not, and
+        the looks asked for hold for all at once not too seldom.
+        """
+        doubtful = self.doubtful().intersection(moment.ids)
+        if not doubtful:
+            return True
+        judged = {e.sighting.object_id for e in moment.entries if e.candidate.attributes}
+        looks = [p for entry in moment.entries for p in entry.candidate.attributes.values()]
+        return not doubtful.issuperset(judged) and prod(looks) >= LEAST_TOGETHER
+
     def without_mere_doubts(self, moments: list[Moment]) -> list[Moment]:
         """Return the moments; none where all are doubtful: then who is doubtful is refused."""
         doubtful = self.doubtful()
-        if not doubtful or any(doubtful.isdisjoint(moment.ids) for moment in moments):
+        if not doubtful or any(self.stands(moment) for moment in moments):
             return moments
         for found in self.found.values():
             found.refuse_doubtful()

@@ -466,3 +466,21 @@ def test_a_relation_of_mere_doubts_is_a_no_about_what_is_likely() -> None:
     assert (answer.status, answer.reason) == ("not_found", "not_there")
     assert answer.otherwise is not None
     assert answer.otherwise.object_id == "red"
+
+
+def test_a_pair_is_an_answer_where_one_of_two_looks_is_doubtful() -> None:
+    def asked(rust: tuple[float, float, float]) -> Answer:
+        home = Home()
+        for number, paint in enumerate(("green", "blue", "white", "brown", "orange")):
+            home.thing(paint, "bowl", paint=paint)
+            home.seen(paint, 10, 15, at=(number / 10, 0, 1))
+        home.thing("rusty", "cup", paint=rust)
+        home.seen("rusty", 10, 15, at=(0, 0.2, 1))
+        things = term("cup", "red"), term("bowl", "blue")
+        return run(home, query(*things, ask="when", kind="together"))
+
+    both = asked((150.0, 66.0, 38.0))
+    assert ids(both) == ["rusty", "blue"]
+    assert both.count == 1
+    assert both.keyframes[0].why["attributes"]["red"] < 1 / 3
+    assert asked((170.0, 95.0, 50.0)).status == "not_found"
