@@ -15,6 +15,8 @@ from grammar.moment import PART_HOURS, Moment, Setting, before
 
 _DAYS = frozenset(("day", "week", "fortnight", "weekend", "month", "year", "decade"))
 AROUND = timedelta(minutes=30)
+_CLOCK_READINGS = 4
+"""How many starts a range of the past may have: mornings and evenings of two days."""
 _MERIDIEMS = {"morning": "am", "afternoon": "pm", "evening": "pm"}
 """What a part of the day said after two clock times says of both of them."""
 
@@ -47,10 +49,11 @@ def _resolved(said: tf.SpokenTime, setting: Setting) -> TimeSlice:
     beside = _weekday_beside(said, setting)
     if beside is not None:
         return beside
-    slices = [_bound(bound, said.pieces, setting) for bound in said.bounds]
+    bounds = _paired(said.bounds)
+    slices = [_bound(bound, said.pieces, setting) for bound in bounds]
     starts = [s.start for s in slices if s.start is not None]
     ends = [s.end for s in slices if s.end is not None]
-    if said.pieces and any(b.kind in ("since", "until", "before", "after") for b in said.bounds):
+    if said.pieces and any(b.kind in ("since", "until", "before", "after") for b in bounds):
         outer = Moment.of(said.pieces).span(setting)
         if outer[0] < outer[1]:
             starts.append(outer[0])
@@ -59,6 +62,18 @@ def _resolved(said: tf.SpokenTime, setting: Setting) -> TimeSlice:
     if latest is not None and earliest is not None and earliest < latest:
         raise TimeError("it ends before it starts")
     return TimeSlice(latest, earliest)
+
+
+def _paired(bounds: tuple[tf.Bound, ...]) -> tuple[tf.Bound, ...]:
+    """Return one interval for two half-open ones between clock times: after eight, before ten."""
+    opens = [b.sides[0] for b in bounds if b.kind in ("since", "after")]
+    closes = [b.sides[0] for b in bounds if b.kind in ("until", "before")]
+    if len(bounds) != 2 or len(opens) != 1 or len(closes) != 1:
+        return bounds
+    moments = [Moment.of(side) for side in (*opens, *closes)]
+    if any(m.clock is None or m.dated for m in moments):
+        return bounds
+    return (tf.Bound("between", (opens[0], closes[0])),)
 
 
 def _weekday_beside(said: tf.SpokenTime, setting: Setting) -> TimeSlice | None:
@@ -174,9 +189,32 @@ def _between(first: tf.Pieces, second: tf.Pieces, around: tf.Pieces, setting: Se
     if b.clock is not None and not b.dated and night:
         b = replace(b, part=None)
     _, end = b.span(setting, after=None if same_day and b.clock is None else start)
+    if end > setting.now and a.clock is not None and b.clock is not None and not b.dated:
+        start, end = _last_ended(a, b, setting) or (start, end)
     if end < start:
         raise TimeError("it ends before it starts")
     return TimeSlice(start, max(end, start_end if a.clock is None and end == start else end))
+
+
+def _last_ended(a: Moment, b: Moment, setting: Setting) -> tuple[datetime, datetime] | None:
+    """Return the last range of two clock times that is over, on one day where one is.
+
+    None where `a` names a day on which no such range is over.
+    """
+    found: list[tuple[datetime, datetime]] = []
+    now = setting.now
+    for _ in range(_CLOCK_READINGS):
+        start = a.span(replace(setting, now=now))[0]
+        if start > now:
+            break
+        end = b.span(setting, after=start)[1]
+        if end <= setting.now:
+            found.append((start, end))
+        now = start - timedelta(minutes=1)
+        if a.dated and now.date() != setting.now.date():
+            break
+    within = (span for span in found if span[0].date() == span[1].date())
+    return next(within, found[0] if found else None)
 
 
 def _dates_from_numbers(a: Moment, b: Moment) -> tuple[Moment, Moment]:

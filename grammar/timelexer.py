@@ -8,7 +8,7 @@ from dataclasses import replace
 from grammar import numbers
 from grammar import timewords as tw
 from grammar.closed import is_open, words_of
-from grammar.timedigits import TimeToken
+from grammar.timedigits import CLOCK, TimeToken
 from grammar.timenumbers import NumberReader
 
 _MAX_PHRASE = max(len(phrase.split()) for phrase in (*tw.PHRASES, *tw.HOLIDAYS))
@@ -229,7 +229,7 @@ class _Reader(NumberReader):
                 self._is("UNIT") and following in (*numbers.CARDINALS, "a", "an")
             ) or following.isdecimal()
             return self._make("LINK", "and", length) if joins and self._is("UNIT") else None
-        if kind == "_UNTIL" and self._open("_FROM", "_TO"):
+        if kind == "_UNTIL" and (self._open("_FROM", "_TO") or self._ends_range(length)):
             return self._make("_TO", 0, length)
         if kind == "_TO" and self._open("_BETWEEN", "_AND"):
             return self._make("_AND", 0, length)
@@ -238,6 +238,16 @@ class _Reader(NumberReader):
         if kind == "_TO" and not (self.previous and self.previous.type != "LINK"):
             return None
         return self._make(kind, value, length)
+
+    def _ends_range(self, k: int) -> bool:
+        """Whether `until` stands between two weekdays or clock times: monday till wednesday."""
+        if self.word == "by" or not self.before or self.before[-1] is None:
+            return False
+        if self._is("WEEKDAY"):
+            return self._at(k) in tw.WEEKDAY_NUMBER
+        number = numbers.cardinal(self.words, self.i + k) if self._at(k) else None
+        digital = CLOCK.match(self._at(k)) or self._at(k) in tw.FIXED_CLOCKS
+        return self._is(*_CLOCK_TIMES) and (number is not None or bool(digital))
 
     def _joins_clock(self, k: int) -> bool:
         """Whether a dash only parts a date from its clock time: 6 jan 2017 - 6:37 am."""
@@ -251,14 +261,6 @@ class _Reader(NumberReader):
         return (
             len(self.before) > 1 and self.before[-2] is not None and self.before[-2].type == "COUNT"
         )
-
-    def _open(self, opens: str, closes: str) -> bool:
-        """Whether an `opens` token still waits for its `closes`."""
-        depth = 0
-        for token in self.before:
-            if token is not None:
-                depth += (token.type == opens) - (token.type == closes)
-        return depth > 0
 
     def _name(self) -> TimeToken | None:
         word = self.word

@@ -48,7 +48,9 @@ class NumberReader(DigitReader):
             count, value = 2, 45
         else:
             number = numbers.cardinal(self.words, self.i + skip) if word else None
-            if number is None or not 0 < number[0] < 60 or skip or self._is("MONTH_OF"):
+            day_due = self._is("MONTH_OF") and not self._dated_month()
+            minute_due = bool(self.before) and self._is("HOUR") and self.previous is self.before[-1]
+            if number is None or not 0 < number[0] < 60 or skip or day_due or minute_due:
                 return None
             value, count = number
         count += skip
@@ -84,16 +86,23 @@ class NumberReader(DigitReader):
             return False
         if turn == "past":
             return True
-        if turn in ("of", "before", "till", "til", "after"):
-            return value in (5, 10, 15, 20, 25, 30)
-        opened = any(t is not None and t.type == "_FROM" for t in self.before)
-        if opened and not any(t is not None and t.type == "_TO" for t in self.before):
+        if turn in _ENDS_RANGE and self._open("_FROM", "_TO"):
             # "from ten to three" is a range unless a second `to` follows it
             rest = self.words[self.i + count + 2 :]
-            return value == 15 or any(w in ("to", "until", "till") for w in rest)
+            return value == 15 or any(w in _ENDS_RANGE for w in rest)
+        if turn in ("of", "before", "till", "til", "after"):
+            return value in (5, 10, 15, 20, 25, 30)
         if value % 5 == 0 or self._at(-1) == "at":
             return True
         return exact  # nine to five is a range
+
+    def _open(self, opens: str, closes: str) -> bool:
+        """Whether an `opens` token still waits for its `closes`."""
+        depth = 0
+        for token in self.before:
+            if token is not None:
+                depth += (token.type == opens) - (token.type == closes)
+        return depth > 0
 
     # -- numbers -----------------------------------------------------------------------------
 
@@ -340,7 +349,7 @@ class NumberReader(DigitReader):
 
     def _ranges_to(self, k: int) -> bool:
         """Whether another hour follows at `k`: nine to five."""
-        if self._at(k) not in ("to", "till", "until"):
+        if self._at(k) not in _ENDS_RANGE:
             return False
         number = numbers.cardinal(self.words, self.i + k + 1) if self._at(k + 1) else None
         return (
@@ -357,4 +366,5 @@ class NumberReader(DigitReader):
         return compact in ("am", "pm") or (compact in ("a", "p") and self._at(k + 1) == "m")
 
 
+_ENDS_RANGE = ("to", "until", "till", "til")
 _TIMELY = ("today", "yesterday", "tonight", "ago", "am", "pm", "sharp", "ish", "earlier", "later")
