@@ -23,6 +23,7 @@ from assistant.options import (
     settings_options,
     store_name,
 )
+from assistant.taking_in import Wanted, intake_options
 from assistant.terminal import clean, json_line, speaks_unicode
 
 if TYPE_CHECKING:
@@ -31,7 +32,6 @@ if TYPE_CHECKING:
     from d3a.ingest import IngestSummary
     from d3a.intake import Intake
     from d3a.jobs import Backend
-    from d3a.parameters import Parameters
     from d3a.readers.base import Reader
     from d3a.store.base import Store
 
@@ -40,51 +40,18 @@ if TYPE_CHECKING:
 class Wishes:
     """What the person wants of the recordings, as it stands on the command line."""
 
-    format_name: str | None = None
-    options: dict[str, str] = field(default_factory=dict)
-    since: str | None = None
-    every: int = 1
-    ignore: tuple[str, ...] = ()
-    off_limits: tuple[str, ...] = ()
+    wanted: Wanted = field(default_factory=Wanted)
+    looking: Looking = field(default_factory=Looking)
     max_frames: int | None = None
     assignments: Path | None = None
-    looking: Looking = field(default_factory=Looking)
     jobs: int = 1
     backend: Backend = "processes"
 
 
 @click.command("ingest")
 @click.argument("sources", nargs=-1, required=True, type=click.Path(path_type=Path))
-@click.option(
-    "--format", "format_name", metavar="NAME", help="Reader; by default found by looking."
-)
-@click.option(
-    "--reader",
-    "reader_options",
-    multiple=True,
-    metavar="KEY=VALUE",
-    help="Tell the reader something, such as depth-scale=1000, times=FILE, poses=FILE, site=lab.",
-)
-@click.option(
-    "--topic", "topics", multiple=True, metavar="NAME=TOPIC", help="Which topic of a bag to read."
-)
-@click.option("--profile", default="default", show_default=True, help="default or paper.")
-@click.option("--since", metavar="TIME", help="Leave out frames before this ISO time or date.")
-@click.option("--every", type=click.IntRange(min=1), default=1, help="Take each N-th frame.")
+@intake_options
 @click.option("--max-frames", type=click.IntRange(min=1), help="Stop after so many frames.")
-@click.option("--min-probability", type=click.FloatRange(0, 1), help="Leave weaker detections out.")
-@click.option(
-    "--ignore",
-    multiple=True,
-    metavar="CATEGORY",
-    help="Never store these things; they are painted over in pictures. Repeatable.",
-)
-@click.option(
-    "--off-limits",
-    multiple=True,
-    metavar="REGION",
-    help='Never store what is in this region, or polygon "x,y x,y x,y" in metres. Repeatable.',
-)
 @detector_options
 @click.option(
     "--assignments",
@@ -108,10 +75,6 @@ def command(
     context: click.Context,
     /,
     sources: tuple[Path, ...],
-    reader_options: tuple[str, ...],
-    topics: tuple[str, ...],
-    profile: str,
-    min_probability: float | None,
     as_json: bool,
     **wished: Any,
 ) -> None:
@@ -120,22 +83,12 @@ def command(
     Several are taken in order of time, site by site. What is broken in a recording is counted,
     named and left out. Status 2 when a recording could not be read; the others are taken in.
     """
-    from d3a.parameters import PROFILES
-    from d3a.readers.options import key_values
-
     settings = settings_of(context)
-    if profile not in PROFILES:
-        raise click.BadParameter(f"{profile!r} is no profile; there are {', '.join(PROFILES)}")
-    parameters = PROFILES[profile]
-    if min_probability is not None:
-        parameters = parameters.with_changes(min_probability=min_probability)
-    with failures():
-        options = key_values((*reader_options, *(f"topic.{topic}" for topic in topics)))
-    looking = Looking.taken_from(wished)
-    wishes = Wishes(options=options, looking=looking, **wished)
+    looking, wanted = Looking.taken_from(wished), Wanted.taken_from(wished)
+    wishes = Wishes(wanted, looking, **wished)
     if wishes.assignments is not None and len(sources) > 1:
         raise click.BadParameter("--assignments is of one recording; ingest them one by one")
-    run = _Run(settings, parameters, wishes, as_json=as_json)
+    run = _Run(settings, wishes, as_json=as_json)
     with failures():
         run.open_lookers()
     run.open(sources)
@@ -146,11 +99,9 @@ def command(
 class _Run:
     """One call of the command: opens all recordings, then takes them in one by one."""
 
-    def __init__(
-        self, settings: Settings, parameters: Parameters, wishes: Wishes, *, as_json: bool
-    ) -> None:
+    def __init__(self, settings: Settings, wishes: Wishes, *, as_json: bool) -> None:
         self._settings = settings
-        self._parameters = parameters
+        self._parameters = wishes.wanted.parameters()
         self._wishes = wishes
         self._as_json = as_json
         self._readers: list[tuple[Path, Reader]] = []
@@ -176,12 +127,12 @@ class _Run:
         found: list[tuple[str, float, int, Path, Reader]] = []
         for number, source in enumerate(sources):
             with self._named(source):
-                wishes = self._wishes
+                wanted = self._wishes.wanted
                 reader = open_source(
                     source,
-                    format=wishes.format_name,
+                    format=wanted.format_name,
                     zone=self._settings.zone,
-                    options=wishes.options,
+                    options=wanted.options,
                 )
                 first = next(iter(reader), None) if self._several else None
                 start_ms = float("inf") if first is None else first.time_ms
@@ -232,7 +183,7 @@ class _Run:
         if not quiet:
             for note in reader.facts.notes:
                 click.echo(clean(f"note: {note}"), err=True)
-        intake = self._intake(reader)
+        intake = wishes.wanted.intake(self._settings.zone or reader.facts.zone)
         label = reader.facts.name if self._several else ""
         with progress(quiet, label) as on_progress:
             summary = ingest(
@@ -250,21 +201,6 @@ class _Run:
         if not summary.already:
             self._name_unused(intake, summary)
         return summary
-
-    def _intake(self, reader: Reader) -> Intake:
-        from d3a.intake import Intake, off_limits_of
-        from d3a.readers.clock import Clock
-
-        wishes, since_ms = self._wishes, None
-        if wishes.since is not None:
-            zone = self._settings.zone or reader.facts.zone
-            since_ms = Clock(zone).absolute_ms(wishes.since)
-        return Intake(
-            since_ms,
-            wishes.every,
-            frozenset(wishes.ignore),
-            tuple(off_limits_of(text) for text in wishes.off_limits),
-        )
 
     def _name_unused(self, intake: Intake, summary: IngestSummary) -> None:
         """Say which ignored categories nothing was called: a slip would store what should not."""
