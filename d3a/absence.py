@@ -51,7 +51,7 @@ class Glance:
     """What the current look showed of a place, in frames.
 
     frames: in view. hidden: behind something. through: only what is behind it was seen. familiar:
-    in plain view from a side that has shown it before.
+    whether it was in plain view from a side that has shown it before.
     """
 
     thing: Known
@@ -59,16 +59,15 @@ class Glance:
     frames: int = 0
     hidden: int = 0
     through: int = 0
-    familiar: int = 0
+    familiar: bool = False
     found: bool = False
     eye: Position | None = None
 
-    def add(self, hidden: bool, through: bool, familiar: bool) -> None:
+    def add(self, hidden: bool, through: bool) -> None:
         """Count a frame."""
         self.frames += 1
         self.hidden += hidden
         self.through += through
-        self.familiar += familiar
 
     @property
     def is_through(self) -> bool:
@@ -99,8 +98,9 @@ class Absence:
         if scene.pose is None or scene.camera is None or not positions.owners:
             return
         eye = np.array(scene.pose.position) - offset.mean
+        x, y, z = eye.tolist()
         for _, place in found:
-            _remember_side(place, eye)
+            _remember_side(place, (x, y, z))
         seen = project(positions.mean + offset.mean, scene.pose, scene.camera)
         parameters = self._parameters
         visible = in_view(seen, scene.camera, parameters.view_range_m, parameters.view_margin)
@@ -109,12 +109,13 @@ class Absence:
         rows = np.flatnonzero(visible & (sigma <= SURE_M))
         spots = seen.u[rows], seen.v[rows], seen.depth_m[rows], sigma[rows]
         hidden, through = self._depths(scene, *spots)
-        x, y, z = eye.tolist()
+        away_m = spots[2].tolist()
         for k, row in enumerate(rows.tolist()):
             thing, place = positions.owners[row]
             glance = self._glance(thing, place)
-            is_familiar = not hidden[k] and _is_familiar(place, eye, float(spots[2][k]))
-            glance.add(hidden[k], through[k], is_familiar)
+            if not glance.familiar and not hidden[k]:
+                glance.familiar = _is_familiar(place, (x, y, z), away_m[k])
+            glance.add(hidden[k], through[k])
             glance.eye = (x, y, z)
 
     def _depths(
@@ -138,7 +139,11 @@ class Absence:
         return hidden.tolist(), through.tolist()
 
     def _glance(self, thing: Known, place: Place) -> Glance:
-        return self._glances.setdefault((thing.number, place.number), Glance(thing, place))
+        key = thing.number, place.number
+        found = self._glances.get(key)
+        if found is None:
+            found = self._glances[key] = Glance(thing, place)
+        return found
 
     def found(self) -> list[Known]:
         """Return the things that the current look has found, by number."""
@@ -250,14 +255,12 @@ class Absence:
             self._glances[number, place_number] = glance
 
 
-def _remember_side(place: Place, eye: Floats) -> None:
+def _remember_side(place: Place, eye: Position) -> None:
     """Keep the viewpoint, if it is another than those known; the oldest goes."""
-    x, y, z = eye.tolist()
-    if not any(math.dist((x, y, z), side) < FAMILIAR_M for side in place.seen_from):
-        place.seen_from = [*place.seen_from[1 - SIDES_KEPT :], (x, y, z)]
+    if not any(math.dist(eye, side) < FAMILIAR_M for side in place.seen_from):
+        place.seen_from = [*place.seen_from[1 - SIDES_KEPT :], eye]
 
 
-def _is_familiar(place: Place, eye: Floats, away_m: float) -> bool:
+def _is_familiar(place: Place, eye: Position, away_m: float) -> bool:
     near_m = max(FAMILIAR_M, FAMILIAR_SHARE * away_m)
-    x, y, z = eye.tolist()
-    return any(math.dist((x, y, z), side) <= near_m for side in place.seen_from)
+    return any(math.dist(eye, side) <= near_m for side in place.seen_from)

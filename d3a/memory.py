@@ -65,7 +65,7 @@ class Place:
 class Known:
     """A thing in memory. votes: weight by category; seen: frames it was detected in, ever.
 
-    fetched_ms: when it came back from the store, 0 if it never left.
+    compared_ms: when a detection was compared with it, or it came back from the store.
     met: numbers of the things seen beside it in a frame while it was in memory, so other things.
     look_weight: of the mean look, 0 without one. row: in the table of looks.
     """
@@ -74,7 +74,7 @@ class Known:
     votes: dict[str, float]
     first_ms: int
     last_ms: int
-    fetched_ms: int = 0
+    compared_ms: int = 0
     weight: float = 0.0
     seen: int = 0
     look_weight: float = 0.0

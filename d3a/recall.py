@@ -125,7 +125,7 @@ class Recall:
             return []
         over = len(things) - most + most // EVICTED_SHARE
         oldest = heapq.nsmallest(
-            over, things.values(), key=lambda t: (max(t.last_ms, t.fetched_ms), t.number)
+            over, things.values(), key=lambda t: (max(t.last_ms, t.compared_ms), t.number)
         )
         for thing in oldest:
             if thing.dirty:
@@ -243,7 +243,7 @@ class Recall:
             if is_by_look(record.object_id):  # no detector knows it, so no detection is of it
                 continue
             thing = self._known(record)
-            thing.fetched_ms = now_ms
+            thing.compared_ms = now_ms
             for stay in stays.get(record.object_id, []):
                 place = self._place(stay, open_of.get(stay.key))
                 thing.places.append(place)
