@@ -114,11 +114,12 @@ class Conversation:
         answer = self._answer(text)
         if answer.query is None or answer.status not in ("found", "not_found"):
             return answer
-        same = is_about_the_same(answer.query, before.last, text)
+        heard = replace(answer.query, corrections=())  # told once, not with each answer again
+        same = is_about_the_same(heard, before.last, text)
         refused = before.refused if same else ()
         meant = before.meant if same else None
         answer = self._as_meant(answer, refused, meant)
-        self._said = _Said(answer.query, answer, refused, meant, text)
+        self._said = _Said(heard, answer, refused, meant, text)
         self.pointer.to(told(answer))
         return answer
 

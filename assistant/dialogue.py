@@ -86,6 +86,7 @@ def merge(last: FormalQuery, fragment: Fragment, seen: Seen | None = None) -> Fo
     return replace(
         merged,
         text=fragment.text,
+        corrections=fragment.corrections,
         ask=ask,
         time=time,
         select=select,

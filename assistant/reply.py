@@ -69,6 +69,7 @@ def sentence(answer: Answer, *, now: datetime) -> str:
         parts.append(_sureness(answer, answer.query))
     if answer.unjudged:
         parts.append(_unjudged(answer))
+    parts[:0] = [f"I read “{c.said}” as {c.taken}." for c in answer.query.corrections]
     return " ".join(part for part in parts if part)
 
 

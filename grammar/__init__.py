@@ -1,9 +1,8 @@
 """Words to formal queries: the language of the product, without any store."""
 
 from grammar.errors import Ambiguous, NotUnderstood, OutOfScope, QuestionError
-from grammar.forms import FormalQuery, ObjectTerm, Relation, TimeSlice
+from grammar.forms import Correction, FormalQuery, ObjectTerm, Relation, TimeSlice
 from grammar.parser import Parsed, parse, parse_report
-from grammar.spelling import Correction
 from grammar.vocabulary import StoreWords
 
 __all__ = [

@@ -7,7 +7,7 @@ a `FormalQuery` is the record that carries any of them, with what the paper's no
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime, timedelta, timezone
 from typing import Any, Literal, cast, get_args
 
@@ -154,12 +154,26 @@ class TimeSlice:
 
 
 @dataclass(frozen=True, slots=True)
+class Correction:
+    """A word that was read as another: what was said, what was taken, and where it stands."""
+
+    said: str
+    taken: str
+    position: int
+
+    def to_json(self) -> Json:
+        """Return the correction as a record."""
+        return {"said": self.said, "taken": self.taken, "position": self.position}
+
+
+@dataclass(frozen=True, slots=True)
 class FormalQuery:
     """A question in formal form (paper, Table 1: Q1, Q2, Q3).
 
     objects: the arguments of `relation` in spoken order, figure first; empty for `moved` and
     `missing` without an object. place: a named region, never an object.
     select: which of the sightings; `usual` asks where a thing habitually lies.
+    corrections: the words that were read as others; no part of what is asked, so not compared.
     """
 
     text: str
@@ -171,6 +185,7 @@ class FormalQuery:
     time: TimeSlice | None = None
     select: Select = "all"
     negated: bool = False
+    corrections: tuple[Correction, ...] = field(default=(), compare=False)
 
     def __post_init__(self) -> None:
         _one_of("form", self.form, FORMS)
@@ -212,8 +227,8 @@ class FormalQuery:
         return f"{', '.join(predicates)} | {call}"
 
     def to_json(self) -> Json:
-        """Return the JSON record of formal-query, every field present."""
-        return {
+        """Return the JSON record of formal-query; `corrections` only where a word was corrected."""
+        record: Json = {
             "text": self.text,
             "form": self.form,
             "ask": self.ask,
@@ -225,6 +240,9 @@ class FormalQuery:
             "negated": self.negated,
             "formal": self.formal,
         }
+        if self.corrections:
+            record["corrections"] = [each.to_json() for each in self.corrections]
+        return record
 
     @classmethod
     def from_json(cls, record: Mapping[str, Any]) -> FormalQuery:
@@ -246,6 +264,7 @@ class FormalQuery:
                 time=TimeSlice(_moment(time["start"]), _moment(time["end"])) if time else None,
                 select=cast("Select", record["select"]),
                 negated=bool(record["negated"]),
+                corrections=tuple(Correction(**said) for said in record.get("corrections", ())),
             )
         except KeyError as error:
             raise FormError(f"the field {error.args[0]!r} is missing") from error

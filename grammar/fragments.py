@@ -10,7 +10,7 @@ from datetime import datetime, timedelta
 from typing import Literal
 
 from grammar.errors import QuestionError
-from grammar.forms import ANYTHING, Ask, FormalQuery, ObjectTerm, Select, TimeSlice
+from grammar.forms import ANYTHING, Ask, Correction, FormalQuery, ObjectTerm, Select, TimeSlice
 from grammar.meaning import AtPlace, Item, Meaning
 from grammar.parser import NO_STORE, opened
 from grammar.reading import Reading, Terminals
@@ -54,6 +54,7 @@ class Fragment:
     terms: new objects, `ANYTHING` with attributes for "the red one". items: new places, relations.
     relative: before, after or since the time of the last answer. shift: the last slice, moved.
     query: a whole question whose own words already say all but the relative time.
+    corrections: the words that were read as others.
     """
 
     text: str
@@ -66,6 +67,7 @@ class Fragment:
     select: Select | None = None
     negated: bool | None = None
     query: FormalQuery | None = None
+    corrections: tuple[Correction, ...] = ()
 
 
 def parse_fragment(
@@ -76,8 +78,15 @@ def parse_fragment(
     Pronouns of a whole question mean the first object of `previous`. Raises QuestionError as
     `parse` does.
     """
-    reading, sentences, _ = opened(text, now, words)
-    it = _spoken_of(previous)
+    reading, sentences, corrections = opened(text, now, words)
+    return replace(_followed(reading, sentences, previous), corrections=corrections)
+
+
+def _followed(
+    reading: Reading, sentences: list[list[Word]], previous: FormalQuery
+) -> Fragment | FormalQuery:
+    """Return what the sentences mean after `previous`."""
+    text, it = reading.text, _spoken_of(previous)
     if len(sentences) != 1:
         return reading.of(sentences, it)
     said, relative, shift, same_time = _relative(sentences[0])

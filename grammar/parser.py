@@ -5,13 +5,12 @@ Stages: words -> spelling -> plain speech -> spoken times out -> terminals -> gr
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import datetime
 
 from grammar import speech, spelling
-from grammar.forms import FormalQuery
+from grammar.forms import Correction, FormalQuery
 from grammar.reading import Reading, capped
-from grammar.spelling import Correction
 from grammar.vocabulary import StoreWords, lexicon
 from grammar.words import Word
 
@@ -39,7 +38,7 @@ def parse(text: str, *, now: datetime, words: StoreWords = NO_STORE) -> FormalQu
 def parse_report(text: str, *, now: datetime, words: StoreWords = NO_STORE) -> Parsed:
     """Return what `parse` returns, with the spelling corrections it rests on."""
     reading, sentences, corrections = opened(text, now, words)
-    return Parsed(reading.of(sentences), corrections)
+    return Parsed(replace(reading.of(sentences), corrections=corrections), corrections)
 
 
 def opened(

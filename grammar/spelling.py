@@ -8,12 +8,13 @@ or the word is as good a noun as any, nothing is changed: any noun may be asked 
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import lru_cache
 
 from grammar import numbers, phrases, scope
 from grammar import timewords as tw
 from grammar.closed import CLOSED, is_open, words_of
+from grammar.forms import Correction
 from grammar.vocabulary import Lexicon, StoreWords, files, inflection, lexicon
 from grammar.words import Word
 
@@ -21,15 +22,6 @@ _ALIKE = [{"b", "p"}, {"d", "t"}, {"g", "k"}, {"f", "v"}, {"s", "z"}, {"c", "k"}
 """Letters that sound alike: labtop, pakage."""
 _KEYS = ("qwertyuiop", "asdfghjkl", "zxcvbnm")
 _MIN_LETTERS = 4
-
-
-@dataclass(frozen=True, slots=True)
-class Correction:
-    """A word that was read as another: what was said, what was taken, and where it stands."""
-
-    said: str
-    taken: str
-    position: int
 
 
 @lru_cache(maxsize=16)

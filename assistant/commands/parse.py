@@ -21,7 +21,7 @@ from assistant.terminal import clean, json_line, speaks_unicode, well_formed
 @settings_options
 @click.pass_context
 def command(context: click.Context, questions: tuple[str, ...], as_json: bool) -> None:
-    """Print the formal query of each question.
+    """Print the formal query of each question, in words or in the formal notation.
 
     With no question given they are read from standard input, a line each, and answered with a
     line each. The status is 5 when any of them was not understood. Needs no store; with --store
@@ -29,6 +29,7 @@ def command(context: click.Context, questions: tuple[str, ...], as_json: bool) -
     """
     from grammar import parse
     from grammar.errors import QuestionError
+    from grammar.notation import looks_formal, read
 
     settings = settings_of(context)
     status = ExitCode.OK
@@ -43,7 +44,9 @@ def command(context: click.Context, questions: tuple[str, ...], as_json: bool) -
         moment = settings.moment()
     for text in map(well_formed, questions) if questions else stdin_lines():
         try:
-            record = parse(text, now=moment, **known).to_json()
+            formal = looks_formal(text)
+            query = read(text, now=moment) if formal else parse(text, now=moment, **known)
+            record = query.to_json()
         except QuestionError as error:  # one bad question must not stop the rest
             record, status = error.to_json(), ExitCode.QUESTION
         if as_json:
@@ -73,6 +76,9 @@ def readable(record: dict[str, Any]) -> str:
     if "error" in record:
         lines += [f"  {record['error']} at character {record['position']}: {record['message']}"]
         return "\n".join(map(clean, lines))
+    lines += [
+        f"  I read “{said['said']}” as {said['taken']}." for said in record.get("corrections", ())
+    ]
     lines += [f"  {record['form']}  {record['ask']}, {record['select']}  {record['formal']}"]
     lines += [f"  {term['var']}: {_term(term)}" for term in record["objects"]]
     if record["relation"]:

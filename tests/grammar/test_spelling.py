@@ -59,6 +59,15 @@ def test_a_stores_words_are_known_and_targets() -> None:
     assert [c.taken for c in found.corrections] == ["tamagotchi"]
 
 
+def test_a_query_carries_its_corrections_and_its_record_names_them() -> None:
+    query = parse_report("where is my umbrela", now=NOW).query
+    assert query.corrections == (Correction("umbrela", "umbrella", 12),)
+    record = query.to_json()
+    assert record["corrections"] == [{"said": "umbrela", "taken": "umbrella", "position": 12}]
+    assert type(query).from_json(record).corrections == query.corrections
+    assert "corrections" not in parse_report("where is my umbrella", now=NOW).query.to_json()
+
+
 def test_the_question_keeps_its_own_text() -> None:
     found = parse_report("where is my phon", now=NOW)
     assert found.query.text == "where is my phon"
