@@ -126,6 +126,8 @@ class Moment:
                     moment = moment.with_ago(piece)
                 case tf.Edge():
                     moment = replace(moment, edge=piece.name)
+                case tf.Unplaced():
+                    raise TimeError(piece.why)
                 case tf.Now():
                     moment = replace(moment, now=True)
                 case tf.SameTime():

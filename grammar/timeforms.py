@@ -171,9 +171,16 @@ class Stamp:
     clock: Clock
 
 
+@dataclass(frozen=True, slots=True)
+class Unplaced:
+    """What names no one time, and why: every morning, a quarter past."""
+
+    why: str
+
+
 Day: TypeAlias = Days | Weekday | Date | Calendar | Weekend | Nth | Holiday | Season | Decade
 Piece: TypeAlias = (
-    Day | Clock | Ago | Edge | Whole | Part | PartAgo | PartDay | Now | SameTime | Stamp
+    Day | Clock | Ago | Edge | Whole | Part | PartAgo | PartDay | Now | SameTime | Stamp | Unplaced
 )
 Pieces: TypeAlias = tuple[Piece, ...]
 

@@ -9,7 +9,7 @@ from grammar import numbers
 from grammar import timewords as tw
 from grammar.closed import is_open, words_of
 from grammar.timedigits import CLOCK, TimeToken
-from grammar.timenumbers import NumberReader
+from grammar.unplaced import UnplacedReader
 
 _MAX_PHRASE = max(len(phrase.split()) for phrase in (*tw.PHRASES, *tw.HOLIDAYS))
 
@@ -58,12 +58,13 @@ def _approximate(found: list[TimeToken | None], last: int) -> None:
 _CLOCK_TIMES = words_of("HOUR MINUTE HHMM FIXED MERIDIEM _OCLOCK CMIN _CPAST _CTO _HALF_OF")
 
 
-class _Reader(NumberReader):
+class _Reader(UnplacedReader):
     """Types the word at `i`, seeing the words around it and the tokens before it."""
 
     def token(self) -> TimeToken | None:
         """Return the token at `i`, or None."""
         for read in (
+            self._unplaced,
             self._written,
             self._comparative,
             self._meridiem,

@@ -27,6 +27,7 @@ from grammar.timeforms import (
     Season,
     SpokenTime,
     Stamp,
+    Unplaced,
     Weekday,
     Weekend,
     Whole,
@@ -157,6 +158,10 @@ class TimeForms:
         """piece: STAMP."""
         year, month, day, hour, minute, second = token.value
         return Stamp(Date(year, month, day), Clock(hour, minute, exact=True, second=second))
+
+    def unplaced(self, token: Token) -> Unplaced:
+        """piece: UNPLACED."""
+        return Unplaced(token.value)
 
     def clock(self, hour: Token, *rest: Token) -> Clock:
         """clock: HOUR MINUTE? _OCLOCK? MERIDIEM?."""

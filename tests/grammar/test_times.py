@@ -181,7 +181,28 @@ def test_a_date_of_one_order_only_needs_no_home() -> None:
 
 
 @pytest.mark.parametrize(
-    "said", ["on the 30th of february", "on 2019-02-30", "yesterday today", "at 3 pm last week"]
+    "said",
+    [
+        "on the 30th of february",
+        "on 2019-02-30",
+        "yesterday today",
+        "at 3 pm last week",
+        "every morning",
+        "every monday at nine",
+        "every other evening",
+        "every two hours",
+        "each day",
+        "on weekdays",
+        "on weekday mornings",
+        "on sundays",
+        "in the evenings",
+        "at weekends",
+        "daily",
+        "at a quarter past",
+        "at half past yesterday",
+        "at ten to the hour",
+        "monday week",
+    ],
 )
 def test_what_names_no_time_is_said_with_its_place(said: str) -> None:
     with pytest.raises(NotUnderstood) as caught:
@@ -202,6 +223,7 @@ def test_what_names_no_time_is_said_with_its_place(said: str) -> None:
         ("where is the alarm clock", "alarm clock"),
         ("where is the night stand", "nightstand"),
         ("where is the march calendar", "march calendar"),
+        ("where is the daily planner", "daily planner"),
     ],
 )
 def test_false_friends_stay_nouns(said: str, category: str) -> None:
