@@ -18,7 +18,7 @@ from d3a.store.base import Sighting
 def conclude(run: Run, limit: int) -> Answer:
     """Return the answer of a finished run, cut to `limit` keyframes, without its sentence."""
     keyframes, truncated = _keyframes(run, limit)
-    moments = [one.moment for one in run.ranked if run.stands(one.moment)]
+    moments = run.standing(one.moment for one in run.ranked)
     objects = {moment.figure.sighting.object_id for moment in moments}
     least = _least(run)
     return Answer(

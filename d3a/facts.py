@@ -201,13 +201,15 @@ class Facts:
     def _knows_all(self, ids: Sequence[str]) -> bool:
         """Whether all sightings of the objects are known; reads them where they are few."""
         known = self._known
-        unknown = [name for name in ids if name not in known.sightings]
-        if unknown and not known.crowded:
-            few = self._has_few_objects() and self.store.reach(unknown, FEW_SIGHTINGS) is None
-            known.crowded = not few or not self._keep_sightings(
-                unknown, self.store.sightings(object_ids=unknown)
+        if not known.crowded:
+            unknown = [name for name in ids if name not in known.sightings]
+            few = self._has_few_objects() and (
+                not unknown or self.store.reach(unknown, FEW_SIGHTINGS) is None
             )
-        return all(name in known.sightings for name in unknown)
+            if few and unknown:
+                few = self._keep_sightings(unknown, self.store.sightings(object_ids=unknown))
+            known.crowded = not few
+        return all(name in known.sightings for name in ids)
 
     def _keep_sightings(self, ids: Sequence[str], found: Sequence[Sighting]) -> bool:
         """Keep the sightings of objects, all that there are; False where there is no room."""

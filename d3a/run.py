@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from datetime import datetime
 from math import prod
@@ -115,14 +115,18 @@ class Run:
         """Return the ids of what rather lacks the attributes asked for."""
         return frozenset().union(*(found.doubtful for found in self.found.values()))
 
-    def stands(self, moment: Moment) -> bool:
-        """Whether a moment is an answer by itself, not merely to be listed below others.
+    def standing(self, moments: Iterable[Moment]) -> Iterator[Moment]:
+        """Yield the moments that are answers by themselves, not merely to be listed below others.
 
-        Nothing in it is doubtful; or of several things with looks in a relation some are not, and
-        the looks asked for hold for all at once not too seldom.
+        Nothing in them is doubtful; or of several things with looks in a relation some are not,
+        and the looks asked for hold for all at once not too seldom.
         """
-        doubtful = self.doubtful().intersection(moment.ids)
-        if not doubtful:
+        doubtful = self.doubtful()
+        return (moment for moment in moments if self._stands(moment, doubtful))
+
+    @staticmethod
+    def _stands(moment: Moment, doubtful: frozenset[str]) -> bool:
+        if doubtful.isdisjoint(moment.ids):
             return True
         judged = {e.sighting.object_id for e in moment.entries if e.candidate.attributes}
         looks = [p for entry in moment.entries for p in entry.candidate.attributes.values()]
@@ -131,7 +135,7 @@ class Run:
     def without_mere_doubts(self, moments: list[Moment]) -> list[Moment]:
         """Return the moments; none where all are doubtful: then who is doubtful is refused."""
         doubtful = self.doubtful()
-        if not doubtful or any(self.stands(moment) for moment in moments):
+        if not doubtful or next(self.standing(moments), None) is not None:
             return moments
         for found in self.found.values():
             found.refuse_doubtful()
