@@ -12,7 +12,7 @@ from typing import Literal
 from grammar.errors import QuestionError
 from grammar.forms import ANYTHING, Ask, Correction, FormalQuery, ObjectTerm, Select, TimeSlice
 from grammar.meaning import AtPlace, Item, Meaning
-from grammar.parser import NO_STORE, opened
+from grammar.parser import NO_STORE, read
 from grammar.reading import Reading, Terminals
 from grammar.vocabulary import StoreWords
 from grammar.words import Word
@@ -78,8 +78,8 @@ def parse_fragment(
     Pronouns of a whole question mean the first object of `previous`. Raises QuestionError as
     `parse` does.
     """
-    reading, sentences, corrections = opened(text, now, words)
-    return replace(_followed(reading, sentences, previous), corrections=corrections)
+    found, corrections = read(text, now, words, lambda r, said: _followed(r, said, previous))
+    return replace(found, corrections=corrections)
 
 
 def _followed(

@@ -5,16 +5,21 @@ Stages: words -> spelling -> plain speech -> spoken times out -> terminals -> gr
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from datetime import datetime
+from typing import TypeVar
 
-from grammar import speech, spelling
+from grammar import respelling, speech, spelling
+from grammar.errors import Ambiguous, QuestionError
 from grammar.forms import Correction, FormalQuery
 from grammar.reading import Reading, capped
-from grammar.vocabulary import StoreWords, lexicon
+from grammar.vocabulary import Lexicon, StoreWords, lexicon
 from grammar.words import Word
 
 NO_STORE = StoreWords()
+Read = TypeVar("Read")
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,17 +42,37 @@ def parse(text: str, *, now: datetime, words: StoreWords = NO_STORE) -> FormalQu
 
 def parse_report(text: str, *, now: datetime, words: StoreWords = NO_STORE) -> Parsed:
     """Return what `parse` returns, with the spelling corrections it rests on."""
-    reading, sentences, corrections = opened(text, now, words)
-    return Parsed(replace(reading.of(sentences), corrections=corrections), corrections)
+    query, corrections = read(text, now, words, Reading.of)
+    return Parsed(replace(query, corrections=corrections), corrections)
 
 
-def opened(
-    text: str, now: datetime, words: StoreWords
-) -> tuple[Reading, list[list[Word]], tuple[Correction, ...]]:
-    """Return the reading of a text and its sentences in plain, corrected words."""
+def read(
+    text: str,
+    now: datetime,
+    words: StoreWords,
+    meaning: Callable[[Reading, list[list[Word]]], Read],
+) -> tuple[Read, tuple[Correction, ...]]:
+    """Return what `meaning` makes of the sentences of a text, and the corrections it rests on.
+
+    Where it raises, slips in the grammar's own words are made good and it is tried again.
+    Raises the first QuestionError where nothing helps.
+    """
     if now.tzinfo is None:
         raise ValueError("now has no zone; hand in an aware datetime")
     lex = lexicon(words)
+    reading = Reading(text, now, lex)
     found, corrections = spelling.corrected(capped(text), lex, words)
-    sentences = [plain for s in speech.sentences(found) if (plain := speech.plain(s, lex))]
-    return Reading(text, now, lex), sentences, corrections
+    try:
+        return meaning(reading, _plain(found, lex)), corrections
+    except Ambiguous:
+        raise
+    except QuestionError:
+        for said, slips in respelling.respelled(found, spelling.known(words)):
+            with suppress(QuestionError):
+                return meaning(reading, _plain(said, lex)), (*corrections, *slips)
+        raise
+
+
+def _plain(words: list[Word], lex: Lexicon) -> list[list[Word]]:
+    """Return the sentences in plain words."""
+    return [plain for s in speech.sentences(words) if (plain := speech.plain(s, lex))]

@@ -43,17 +43,17 @@ def _targets(words: StoreWords) -> tuple[str, ...]:
 
 
 @lru_cache(maxsize=16)
-def _known(words: StoreWords) -> frozenset[str]:
+def known(words: StoreWords) -> frozenset[str]:
     """Return every word that needs no correction."""
     lex = lexicon(words)
-    known = set(_meant(words))
-    known.update(CLOSED, lex.names, lex.parts, lex.patterns, lex.shades)
-    known.update(numbers.CARDINALS, numbers.ORDINALS, tw.UNITS, tw.MONTH_NUMBER)
-    known.update(tw.WEEKDAY_NUMBER, tw.SEASONS, tw.HOLIDAYS, tw.FIXED_CLOCKS)
-    known |= _words_in((*tw.PHRASES, *tw.HOLIDAYS, *phrases.spoken(), *scope.spoken()))
+    found = set(_meant(words))
+    found.update(CLOSED, lex.names, lex.parts, lex.patterns, lex.shades)
+    found.update(numbers.CARDINALS, numbers.ORDINALS, tw.UNITS, tw.MONTH_NUMBER)
+    found.update(tw.WEEKDAY_NUMBER, tw.SEASONS, tw.HOLIDAYS, tw.FIXED_CLOCKS)
+    found |= _words_in((*tw.PHRASES, *tw.HOLIDAYS, *phrases.spoken(), *scope.spoken()))
     for section in files.sections("speech.txt").values():
-        known |= _words_in(section)
-    return frozenset(known)
+        found |= _words_in(section)
+    return frozenset(found)
 
 
 def _words_in(said: Iterable[str]) -> set[str]:
@@ -65,12 +65,12 @@ def corrected(
     words: list[Word], lex: Lexicon, store: StoreWords
 ) -> tuple[list[Word], tuple[Correction, ...]]:
     """Return the words with slips made good, and what was changed."""
-    known = _known(store)
+    knows = known(store)
     out: list[Word] = []
     changed: list[Correction] = []
     for i, word in enumerate(words):
-        taken = _misread(word, known) or _small_word(words, i, known, lex)
-        taken = taken or _taken(word, known, store, lex)
+        taken = _misread(word, knows) or _small_word(words, i, knows, lex)
+        taken = taken or _taken(word, knows, store, lex)
         if taken is not None:
             changed.append(Correction(word.text, taken, word.start))
             word = replace(word, text=taken)

@@ -6,7 +6,7 @@ from datetime import datetime
 
 import pytest
 
-from grammar import Correction, StoreWords, parse_report
+from grammar import Correction, QuestionError, StoreWords, parse_report
 
 NOW = datetime.fromisoformat("2020-01-01T18:00:00-05:00")
 
@@ -66,6 +66,37 @@ def test_a_query_carries_its_corrections_and_its_record_names_them() -> None:
     assert record["corrections"] == [{"said": "umbrela", "taken": "umbrella", "position": 12}]
     assert type(query).from_json(record).corrections == query.corrections
     assert "corrections" not in parse_report("where is my umbrella", now=NOW).query.to_json()
+
+
+@pytest.mark.parametrize(
+    ("said", "slip", "taken"),
+    [
+        ("where did i leav my keys", "leav", "leave"),
+        ("where did i levae my keys", "levae", "leave"),
+        ("have you sen my keys", "sen", "seen"),
+        ("did yu see my keys", "yu", "you"),
+        ("did you lst see my keys", "lst", "last"),
+        ("how meny cups are on the table", "meny", "many"),
+        ("did you sea my keys", "sea", "see"),
+        ("where our my keys", "our", "are"),
+    ],
+)
+def test_a_slip_in_the_grammars_own_words_is_corrected_where_nothing_reads_it(
+    said: str, slip: str, taken: str
+) -> None:
+    assert parse_report(said, now=NOW).corrections == (Correction(slip, taken, said.index(slip)),)
+
+
+@pytest.mark.parametrize(
+    "text", ["did you hire the plumber", "why did you sea my keys", "did you pet the dog"]
+)
+def test_no_slip_makes_a_question_of_what_is_none(text: str) -> None:
+    with pytest.raises(QuestionError):
+        parse_report(text, now=NOW)
+
+
+def test_a_noun_that_sounds_like_a_verb_stays() -> None:
+    assert parse_report("where is the sea", now=NOW).corrections == ()
 
 
 def test_the_question_keeps_its_own_text() -> None:
