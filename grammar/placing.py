@@ -5,12 +5,14 @@ Loaded for a question that names a time; many do not.
 
 from __future__ import annotations
 
+import itertools
 import re
 from dataclasses import replace
 from datetime import datetime, timedelta
 from typing import TYPE_CHECKING
 
 from grammar import clock
+from grammar.closed import is_open
 from grammar.cursor import TIME_GAP
 from grammar.days import TimeAmbiguityError, TimeError, TimesApartError
 from grammar.errors import Ambiguous, NotUnderstood, QuestionError
@@ -26,6 +28,7 @@ from grammar.timeforms import (
     Part,
     PartDay,
     SpokenTime,
+    Unplaced,
     Whole,
 )
 from grammar.timespan import Found
@@ -38,12 +41,17 @@ if TYPE_CHECKING:
 
 def placed(
     reading: Reading, words: list[Word], times: list[Found]
-) -> tuple[list[Word], TimeSlice, bool]:
+) -> tuple[list[Word], TimeSlice | None, bool]:
     """Return the words without their times, the slice that these name, whether it is now.
 
+    The slice is None where they narrow nothing: at any time.
     Raises NotUnderstood for a time that the calendar has not, Ambiguous for two that it has.
     """
+    words, times = _corrected(words, times)
     rest = _without(words, times)
+    times = [time for time in times if time.said != SpokenTime()]
+    if not times:
+        return rest, None, False
     present = all(_is_present(time.said) for time in times)
     try:
         said = _joined(times, [w.text for w in words])
@@ -61,6 +69,28 @@ def placed(
             f"“{said_text}” is no time I can place: {error}.",
             suggestions(rest, reading.lexicon),
         ) from error
+
+
+def _corrected(words: list[Word], times: list[Found]) -> tuple[list[Word], list[Found]]:
+    """Take out a time that is denied for the next one: not yesterday but on monday.
+
+    One that is denied and ends what is said leaves many: did you see the cup not yesterday.
+    """
+    texts = [w.text for w in words]
+    for i, (denied, meant) in enumerate(itertools.pairwise(times)):
+        first, last = denied.first - 1, denied.last + 1
+        joined = texts[denied.last : last] == ["but"] and meant.first == last
+        if first >= 0 and texts[first] == "not" and joined:
+            gap = last - first
+            moved = [replace(t, first=t.first - gap, last=t.last - gap) for t in times[i + 1 :]]
+            return _corrected(words[:first] + words[last:], times[:i] + moved)
+    *others, time = times
+    leads = texts[max(0, time.first - 2) : time.first]
+    denied_alone = time.last == len(texts) and leads[1:] == ["not"] and is_open(leads[0])
+    if not denied_alone:
+        return words, times
+    said = SpokenTime((Unplaced("it says when not; ask for when"),))
+    return words, [*others, replace(time, said=said)]
 
 
 def _without(words: list[Word], times: list[Found]) -> list[Word]:

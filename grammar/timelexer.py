@@ -232,6 +232,8 @@ class _Reader(UnplacedReader):
             return self._make("LINK", "and", length) if joins and self._is("UNIT") else None
         if kind == "_UNTIL" and (self._open("_FROM", "_TO") or self._ends_range(length)):
             return self._make("_TO", 0, length)
+        if kind == "_FROM" and self._from_then():
+            return self._make("LINK", "from", length)
         if kind == "_TO" and self._open("_BETWEEN", "_AND"):
             return self._make("_AND", 0, length)
         if kind == "_TO" and self.word == "-" and self._joins_clock(length):

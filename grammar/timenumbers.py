@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import itertools
+
 from grammar import numbers
 from grammar import timewords as tw
-from grammar.closed import is_open
+from grammar.closed import is_open, words_of
 from grammar.timedigits import CLOCK, DigitReader, TimeToken
 
 
@@ -95,6 +97,21 @@ class NumberReader(DigitReader):
         if value % 5 == 0 or self._at(-1) == "at":
             return True
         return exact  # nine to five is a range
+
+    def _from_then(self) -> bool:
+        """Whether `from` and a day tell which things are meant: show me cups from yesterday.
+
+        Beside a verb of the past, or with an end, `from` is the beginning of a time.
+        """
+        rest = self.words[self.i + 1 :]
+        verbs = _PAST.intersection(self.words[: self.i])
+        if verbs or not is_open(self._at(-1)) or self._time_word(self._at(-1)) or not rest:
+            return False
+        ends = any(
+            word in _CLOSES_FROM or (word == "to" and before not in _NEXT_TO)
+            for before, word in itertools.pairwise(["", *rest])
+        )
+        return not ends and rest[-1] != "on" and (rest[0] in _THEN or "ago" in rest)
 
     def _open(self, opens: str, closes: str) -> bool:
         """Whether an `opens` token still waits for its `closes`."""
@@ -366,5 +383,11 @@ class NumberReader(DigitReader):
         return compact in ("am", "pm") or (compact in ("a", "p") and self._at(k + 1) == "m")
 
 
+_PAST = words_of("was were been did do does have has had moved changed gone")
+_CLOSES_FROM = words_of("until till til through thru - onward onwards forward and")
+_NEXT_TO = words_of("next close left right nearest closest")
+_THEN = frozenset(
+    ("yesterday", "today", "tonight", "earlier", "last", "this", *tw.WEEKDAYS, *tw.MONTHS)
+)
 _ENDS_RANGE = ("to", "until", "till", "til")
 _TIMELY = ("today", "yesterday", "tonight", "ago", "am", "pm", "sharp", "ish", "earlier", "later")

@@ -63,6 +63,8 @@ def _in_run(run: list[TimeToken], words: list[str]) -> list[Found]:
 def _longest(run: list[TimeToken], start: int, words: list[str]) -> tuple[SpokenTime, int] | None:
     """Return the longest time that starts at `start`, and where it stops."""
     stop = len(run)
+    if all(t.type == "LINK" for t in run[start:]):
+        return _any_time(run[start], start, words)
     while stop > start:
         while stop > start and run[stop - 1].type == "LINK":
             stop -= 1
@@ -78,6 +80,16 @@ def _longest(run: list[TimeToken], start: int, words: list[str]) -> tuple[Spoken
         if said is None and reach == 0:
             return None
     return None
+
+
+def _any_time(token: TimeToken, start: int, words: list[str]) -> tuple[SpokenTime, int] | None:
+    """Return the time that `at any time` says: one that narrows nothing."""
+    following = words[token.last] if token.last < len(words) else ""
+    if token.value != "some time" or is_open(following):
+        return None
+    from grammar.timeforms import SpokenTime
+
+    return SpokenTime(), start + 1
 
 
 def _parse(tokens: list[TimeToken]) -> tuple[SpokenTime | None, int]:

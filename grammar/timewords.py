@@ -10,8 +10,9 @@ from grammar.closed import words_of
 WEEKDAYS = ["monday", "tuesday", "wednesday", "thursday", "friday", "saturday", "sunday"]
 WEEKDAY_SHORT = {
     "mon": 0, "tue": 1, "tues": 1, "wed": 2, "weds": 2, "thu": 3, "thur": 3, "thurs": 3,
-    "fri": 4, "sat": 5, "sun": 6,
+    "fri": 4, "sat": 5, "sun": 6, "wensday": 2, "wendsday": 2, "toosday": 1,
 }  # fmt: skip
+"""Weekdays shortened, or spelled as they sound, too far from their name for a slip of it."""
 MONTHS = [
     "january",
     "february",
@@ -210,7 +211,10 @@ PHRASES: dict[str, tuple[str, object]] = {
         (
             "some time",
             "at some point",
+            "at some stage",
             "at any time",
+            "at any point",
+            "at any moment",
             "anytime",
             "any time",
             "one day",

@@ -73,6 +73,9 @@ def clock(moment: datetime | None) -> str:
         ("between seven and five", "2016-11-06 07:00", "2016-11-06 17:00"),
         ("from 9 am to 5 pm", "2016-11-06 09:00", "2016-11-06 17:00"),
         ("from five to three today", "2016-11-07 05:00", "2016-11-07 15:00"),
+        ("not yesterday but on friday", "2016-11-04 00:00", "2016-11-05 00:00"),
+        ("not at nine but at ten", "2016-11-07 10:00", "2016-11-07 10:00"),
+        ("on wensday", "2016-11-02 00:00", "2016-11-03 00:00"),
         ("from ten till three", "2016-11-07 10:00", "2016-11-07 15:00"),
         ("from ten thirty til three", "2016-11-07 10:30", "2016-11-07 15:00"),
         ("tuesday till thursday", "2016-11-01 00:00", "2016-11-04 00:00"),
@@ -143,6 +146,18 @@ def test_a_weekday_said_on_that_day_is_today() -> None:
 
 def test_a_clock_time_that_has_not_come_is_yesterdays() -> None:
     assert clock(slice_of("at 11 pm").start) == "2016-11-06 23:00"
+
+
+@pytest.mark.parametrize("said", ["at any time", "at some point", "at any point"])
+def test_any_time_narrows_nothing_and_is_no_thing(said: str) -> None:
+    query = parse(f"did you see the cup {said}", now=MONDAY)
+    assert (query.time, query.select) == (None, "all")
+    assert [thing.category for thing in query.objects] == ["cup"]
+
+
+def test_a_time_denied_at_the_end_is_refused() -> None:
+    with pytest.raises(NotUnderstood, match="it says when not"):
+        slice_of("not yesterday")
 
 
 @pytest.mark.parametrize(
