@@ -175,8 +175,6 @@ class Matcher:
         things = self._candidates(observed, rows)
         if not things:
             return [None] * len(observed.things)
-        for thing in things:
-            thing.compared_ms = time_ms
         scoring = self._scoring(observed, things)
         gated = self._gated(things, rows)
         place, at = self._place(observed, gated)

@@ -65,7 +65,6 @@ class Place:
 class Known:
     """A thing in memory. votes: weight by category; seen: frames it was detected in, ever.
 
-    compared_ms: when a detection was compared with it, or it came back from the store.
     met: numbers of the things seen beside it in a frame while it was in memory, so other things.
     look_weight: of the mean look, 0 without one. row: in the table of looks.
     """
@@ -74,7 +73,6 @@ class Known:
     votes: dict[str, float]
     first_ms: int
     last_ms: int
-    compared_ms: int = 0
     weight: float = 0.0
     seen: int = 0
     look_weight: float = 0.0

@@ -117,16 +117,14 @@ class Recall:
     def evict(self) -> list[Known]:
         """Write and forget the least recently viewed when the memory is over its bound.
 
-        To be compared with what is in view counts as a view: else what has just come back would be
-        the first to go again.
+        What only came back to be compared is the first to go again: what was seen lately keeps what
+        looks have told of it, which the store does not hold.
         """
         things, most = self._memory.things, self._parameters.stm_capacity
         if len(things) <= most:
             return []
         over = len(things) - most + most // EVICTED_SHARE
-        oldest = heapq.nsmallest(
-            over, things.values(), key=lambda t: (max(t.last_ms, t.compared_ms), t.number)
-        )
+        oldest = heapq.nsmallest(over, things.values(), key=lambda t: (t.last_ms, t.number))
         for thing in oldest:
             if thing.dirty:
                 self._put(thing)
@@ -243,7 +241,6 @@ class Recall:
             if is_by_look(record.object_id):  # no detector knows it, so no detection is of it
                 continue
             thing = self._known(record)
-            thing.compared_ms = now_ms
             for stay in stays.get(record.object_id, []):
                 place = self._place(stay, open_of.get(stay.key))
                 thing.places.append(place)
