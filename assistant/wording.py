@@ -38,13 +38,16 @@ def short_time(moment: datetime, now: datetime) -> str:
     return f"{clock} {date}" if local.year == now.year else f"{clock} {date} {local.year}"
 
 
-def place_words(keyframe: RankedKeyframe) -> str:
-    """Return where a keyframe's object was: the room, the landmark beside it, else metres."""
+def place_words(keyframe: RankedKeyframe, *, brief: bool = False) -> str:
+    """Return where a keyframe's object was: the room, the landmark beside it, else metres.
+
+    brief: without the words between room and landmark, for a narrow column.
+    """
     parts = []
     if keyframe.place:
         parts.append(keyframe.place)
     if keyframe.near:
-        parts.append(f"by the {keyframe.near}")
+        parts.append(keyframe.near if brief and parts else f"by the {keyframe.near}")
     if not parts and keyframe.position is not None:
         x, y, _ = keyframe.position
         return f"x {x:.1f} m, y {y:.1f} m"

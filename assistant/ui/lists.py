@@ -10,7 +10,7 @@ from textual.message import Message
 from textual.widgets import OptionList
 
 from assistant.terminal import clean, shorten, width_of
-from assistant.wording import keyframe_row
+from assistant.wording import keyframe_row, place_words
 
 if TYPE_CHECKING:
     from datetime import datetime
@@ -22,21 +22,36 @@ if TYPE_CHECKING:
 _LIMITS = (16, 18, 36, 11, 15)
 """The widest a column may be: what, when, where, how sure, how often."""
 
+_PLACE = 2
+"""Which of the columns is the place."""
+
+_SHORTEST_PLACE = 12
+"""The least that a place is shortened to, in cells, before a column is left out for it."""
+
 
 def rows(keyframes: Sequence[RankedKeyframe], now: datetime, width: int) -> list[str]:
     """Return a line for each keyframe, its columns aligned, in at most `width` cells.
 
-    The category is told only where there is more than one. What does not fit goes from the
-    right: time and place stay longest.
+    The category is told only where there is more than one. Where they do not fit, the views
+    become a number, then the places are told in fewer words and shortened, and only then do
+    columns go from the right: time and place stay longest.
     """
     table = [keyframe_row(keyframe, now) for keyframe in keyframes]
     first = 0 if len({row[0] for row in table}) > 1 else 1
     kept = list(range(first, 5))
     if _needed(table, kept) > width:
         table = [(*row[:4], f"{k.seen}x") for k, row in zip(keyframes, table, strict=True)]
-    while len(kept) > 2 and _needed(table, kept) > width:
+    if _needed(table, kept) > width:
+        table = [
+            (*row[:_PLACE], clean(place_words(k, brief=True)), *row[_PLACE + 1 :])
+            for k, row in zip(keyframes, table, strict=True)
+        ]
+    while len(kept) > 2 and _needed(table, kept) > width + _spare(table):
         kept.pop()
     widths = _widths(table, kept)
+    if _PLACE in kept:
+        over = max(_needed(table, kept) - width, 0)
+        widths[kept.index(_PLACE)] -= min(over, _spare(table))
     lines = []
     for keyframe, row in zip(keyframes, table, strict=True):
         cells = [shorten(row[i], w) for i, w in zip(kept, widths, strict=True)]
@@ -47,6 +62,11 @@ def rows(keyframes: Sequence[RankedKeyframe], now: datetime, width: int) -> list
 
 def _widths(table: Sequence[tuple[str, ...]], kept: Sequence[int]) -> list[int]:
     return [min(_LIMITS[i], max((width_of(row[i]) for row in table), default=0)) for i in kept]
+
+
+def _spare(table: Sequence[tuple[str, ...]]) -> int:
+    """Return by how many cells the places can be shortened."""
+    return max(_widths(table, [_PLACE])[0] - _SHORTEST_PLACE, 0)
 
 
 def _needed(table: Sequence[tuple[str, ...]], kept: Sequence[int]) -> int:
