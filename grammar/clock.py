@@ -71,7 +71,7 @@ def _paired(bounds: tuple[tf.Bound, ...]) -> tuple[tf.Bound, ...]:
     if len(bounds) != 2 or len(opens) != 1 or len(closes) != 1:
         return bounds
     moments = [Moment.of(side) for side in (*opens, *closes)]
-    if any(m.clock is None or m.dated for m in moments):
+    if any(m.clock is None for m in moments) or all(m.dated for m in moments):
         return bounds
     return (tf.Bound("between", (opens[0], closes[0])),)
 
@@ -191,9 +191,22 @@ def _between(first: tf.Pieces, second: tf.Pieces, around: tf.Pieces, setting: Se
     _, end = b.span(setting, after=None if same_day and b.clock is None else start)
     if end > setting.now and a.clock is not None and b.clock is not None and not b.dated:
         start, end = _last_ended(a, b, setting) or (start, end)
+    early = _before_noon(a)
+    if end.date() > start.date() and a.dated and early is not None and _before_noon(b):
+        begin = early.span(setting)[0]
+        finish = b.span(setting, after=begin)[1]
+        start, end = (begin, finish) if finish.date() == begin.date() else (start, end)
     if end < start:
         raise TimeError("it ends before it starts")
     return TimeSlice(start, max(end, start_end if a.clock is None and end == start else end))
+
+
+def _before_noon(side: Moment) -> Moment | None:
+    """Return a clock time that may be of either half of the day as one before noon."""
+    clock = side.clock
+    if clock is None or clock.exact or clock.meridiem or side.part_name() is not None:
+        return None
+    return replace(side, clock=replace(clock, meridiem="am"))
 
 
 def _last_ended(a: Moment, b: Moment, setting: Setting) -> tuple[datetime, datetime] | None:

@@ -55,6 +55,7 @@ def _approximate(found: list[TimeToken | None], last: int) -> None:
         found.insert(k, TimeToken("_AROUND", 0, first.first, first.first))
 
 
+_DAYS = words_of("WEEKDAY DAYS ORD DATE DAY_AFTER MONTH MONTH_OF HOLIDAY")
 _CLOCK_TIMES = words_of("HOUR MINUTE HHMM FIXED MERIDIEM _OCLOCK CMIN _CPAST _CTO _HALF_OF")
 
 
@@ -243,13 +244,15 @@ class _Reader(UnplacedReader):
         return self._make(kind, value, length)
 
     def _ends_range(self, k: int) -> bool:
-        """Whether `until` stands between two weekdays or clock times: monday till wednesday."""
+        """Whether `until` stands between two days or clock times: monday till wednesday."""
         if self.word == "by" or not self.before or self.before[-1] is None:
             return False
-        if self._is("WEEKDAY"):
-            return self._at(k) in tw.WEEKDAY_NUMBER
-        number = numbers.cardinal(self.words, self.i + k) if self._at(k) else None
-        digital = CLOCK.match(self._at(k)) or self._at(k) in tw.FIXED_CLOCKS
+        following = self._at(k)
+        dated = self._dated_at(k) and not following.isdecimal()
+        if dated or following in ("today", "yesterday"):
+            return self._is(*_DAYS, *_CLOCK_TIMES)
+        number = numbers.cardinal(self.words, self.i + k) if following else None
+        digital = CLOCK.match(following) or following in tw.FIXED_CLOCKS
         return self._is(*_CLOCK_TIMES) and (number is not None or bool(digital))
 
     def _joins_clock(self, k: int) -> bool:
@@ -358,6 +361,9 @@ class _Reader(UnplacedReader):
 
     def _timely(self) -> bool:
         """Whether a neighbour says that a shy name is a day or a month here."""
+        ranges = self._at(1) in ("to", "till", "til", "until", "through")
+        if ranges and (self._at(2) in tw.MONTH_NUMBER or self._at(2) in tw.WEEKDAY_NUMBER):
+            return True
         return self._at(-1) in (
             [
                 "on",

@@ -368,6 +368,8 @@ class NumberReader(DigitReader):
         """Whether another hour follows at `k`: nine to five."""
         if self._at(k) not in _ENDS_RANGE:
             return False
+        if self._at(k + 1) in tw.FIXED_CLOCKS:
+            return True
         number = numbers.cardinal(self.words, self.i + k + 1) if self._at(k + 1) else None
         return (
             number is not None
