@@ -164,6 +164,10 @@ class NounTagger(ClauseTagger):
         if text.endswith("'s") and len(text) > 2:
             stem = text.removesuffix("'s")
             singular = self.lexicon.singular(stem)
+            kin = self.out.tags[-1].value if self._last() == "NOUN" else None
+            owned = [t.type for t in self.out.tags[-2:]] == ["OWNER", "NOUN"]
+            if owned and isinstance(kin, Noun) and kin.said in KIN:
+                self.out.tags.pop()  # my sister anna's pills
             if self._last() == "OWNER":
                 self.out.tags.pop()
             self._emit("OWNER", stem if stem in self.lexicon.names else singular, 1)

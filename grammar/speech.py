@@ -112,7 +112,7 @@ _TELLING = words_of(
 
 def plain(words: list[Word], lexicon: Lexicon) -> list[Word]:
     """Return the words of one sentence without what changes nothing."""
-    words = _heard(_without_fillers(words))
+    words = _joined(_heard(_without_fillers(words)), lexicon)
     words = corrected(words, lexicon)
     words = _without_stutter(_without_false_starts(words))
     return _located(_closed(_without_thought(_opened(words))))
@@ -158,6 +158,26 @@ def _heard(words: list[Word]) -> list[Word]:
     if sounds and words[1].text in ("is", "are", "did", "was", "have"):
         return [replace(words[0], text="where"), *words[1:]]
     return words
+
+
+def _joined(words: list[Word], lexicon: Lexicon) -> list[Word]:
+    """Join what a recogniser parts: `anna s` is anna's, `t v` is tv where that is a noun."""
+    out: list[Word] = []
+    for word in words:
+        before = out[-1] if out else None
+        if before is not None and before.end < word.start and before.text.isalpha():
+            owner = word.text == "s" and is_open(before.text) and len(before.text) > 1
+            joined = f"{before.text}'s" if owner else before.text + word.text
+            spelled = len(before.text) == 1 and lexicon.known_noun(joined) and before.text != "a"
+            led = len(word.text) == 1 or (len(out) > 1 and out[-2].text in _LED)
+            if owner or (spelled and led):
+                out[-1] = replace(before, text=joined, end=word.end)
+                continue
+        out.append(word)
+    return out
+
+
+_LED = words_of("the a an my your our his her their this that")
 
 
 def _without_fillers(words: list[Word]) -> list[Word]:

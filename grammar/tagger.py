@@ -11,9 +11,9 @@ from dataclasses import replace
 from grammar import numbers
 from grammar.closed import is_open
 from grammar.coordination import spread
-from grammar.cursor import DETERMINERS, PRONOUNS, TIME_GAP, Tagged
+from grammar.cursor import DETERMINERS, OWNERS, PRONOUNS, TIME_GAP, Tagged
 from grammar.forms import ANYTHING, ObjectTerm, Select
-from grammar.nouns import Described, Noun
+from grammar.nouns import Attribute, Described, Noun
 from grammar.phrases import breaks, phrases, stands_at
 from grammar.relationtags import RelationTagger
 from grammar.sayings import AUXILIARIES
@@ -68,7 +68,8 @@ class Tagger(RelationTagger):
             self._emit("COMMA", text, 1)
             return True
         if text in ("and", "&", "plus"):
-            self._emit("AND", text, 1)
+            two = self._text(self.i + 1) == "not" and self._asks_two(self.i + 2)
+            self._emit("UNKNOWN" if two else "AND", text, 1)
             return True
         if text in ("or", "nor"):
             return self._or()
@@ -94,6 +95,9 @@ class Tagger(RelationTagger):
         if terminal.startswith("REL "):
             return self._relation(terminal[4:], said, size)
         match terminal:
+            case "_EXCEPT" if said in ("but not", "and not") and self._asks_two(self.i + size):
+                self._emit("UNKNOWN", said, size)
+                return True
             case "drop":
                 return self._drop(said, size)
             case "last" | "first" | "usual":
@@ -114,6 +118,19 @@ class Tagger(RelationTagger):
             return False
         self._emit_phrase(terminal, said, size)
         return True
+
+    def _asks_two(self, k: int) -> bool:
+        """Whether what is denied at `k` is no kind of what is asked for: the cup, not the bowl."""
+        figure = self.out.tags[-1].value if self.out.tags else None
+        while self._text(k) in DETERMINERS or self._text(k) in OWNERS:
+            k += 1
+        if not isinstance(figure, Noun) or figure.category == ANYTHING or not self._open_at(k):
+            return False
+        if self._first() == "_WHAT":
+            return False  # what is on the table but not the cup
+        denied = self.reader.read(self.words, k)[-1][0]
+        wider = self.lexicon.wider(denied.category) if isinstance(denied, Noun) else ()
+        return isinstance(denied, Noun) and figure.category not in (denied.category, *wider)
 
     def _fits(self, terminal: str, said: str, following: int) -> bool:
         """Whether a phrase may be what it looks like, by what stands before and after it."""
@@ -297,6 +314,8 @@ class Tagger(RelationTagger):
             self._emit("ONE", text, 1)
             return True
         number = numbers.cardinal([w.text for w in self.words[self.i : self.i + 2]], 0)
+        if number is not None and self._measured(*number):
+            return True
         if number is not None:
             self._emit("NUMBER", number[0], number[1])
             return True
@@ -307,6 +326,8 @@ class Tagger(RelationTagger):
             return True
         if not is_open(text):
             return False
+        if self._material(text) or self._place_last(text):
+            return True
         if self._happening(text):
             return False
         for what, first, last in self._without_place(self.reader.read(self.words, self.i)):
@@ -314,6 +335,38 @@ class Tagger(RelationTagger):
             if isinstance(what, Noun) and what.said == "glasses" and self._counted():
                 what = Noun("glass", "glass", known=True)  # what is counted is to drink from
             self._emit("NOUN" if isinstance(what, Noun) else "ATTR", what, last - first)
+        return True
+
+    def _measured(self, number: int, size: int) -> bool:
+        """Read a number that measures one thing as part of its noun: the five minute timer."""
+        k = self.i + size
+        if number < 2 or self._last() not in ("DET", "OWNER") or not self._open_at(k):
+            return False
+        what, first, last = self.reader.read(self.words, k)[-1]
+        head = self._text(last - 1)
+        one = self.lexicon.singular(head) == head and self.lexicon.plurals.get(head) != head
+        if not isinstance(what, Noun) or first != k or last - first < 2 or not one:
+            return False
+        said = " ".join(w.text for w in self.words[self.i : last])
+        self._emit("NOUN", Noun(self.lexicon.canonical(said), said, what.known), last - self.i)
+        return True
+
+    def _material(self, text: str) -> bool:
+        """Read what a thing is made of as said of it: glass is a noun elsewhere."""
+        if text not in self.lexicon.attributes or self._last() not in ("_MADE_OF", "_NOT_MADE_OF"):
+            return False
+        self._emit("ATTR", Attribute(text, self.lexicon.attributes[text]), 1)
+        return True
+
+    def _place_last(self, text: str) -> bool:
+        """Read a room at the end, after a time, as where: `remote control last night kitchen`."""
+        place, end = self._place_at(self.i)
+        alone = {t.type for t in self.out.tags} <= {"DET", "OWNER", "ATTR", "NOUN"}
+        if not place or end != len(self.words) or self._text(self.i - 1) != TIME_GAP:
+            return False
+        if not alone or self._last() != "NOUN":
+            return False
+        self._emit("AT_PLACE", place, end - self.i)
         return True
 
     def _counted(self) -> bool:
@@ -329,11 +382,14 @@ class Tagger(RelationTagger):
         what, first, last = found[-1]
         led = all(t.type in ("DET", "OWNER", "ATTR", "NUMBER") for t in self.out.tags)
         ends = all(w.text == TIME_GAP for w in self.words[last:])
-        if not isinstance(what, Noun) or not ends or not led or what.known:
+        if not isinstance(what, Noun) or not ends:
             return found
         for k in range(first + 1, last):
             thing = self.lexicon.known_noun(" ".join(w.text for w in self.words[first:k]))
             place, end = self._place_at(k)
+            several = self.lexicon.singular(self._text(k - 1)) != self._text(k - 1)
+            if not several and (not led or what.known):
+                continue  # the kitchen table; but keys are never part of a noun: keys kitchen
             if thing and place and end == last:
                 noun = Noun(self.lexicon.canonical(thing), thing, known=True)
                 self.words[k:k] = [replace(self.words[k], text="in")]

@@ -89,6 +89,8 @@ def _joined_attributes(tags: list[Tag]) -> list[Tag]:
                 "SIDE_BY_SIDE",
                 "THAT_NOT_REL",
                 "_WITH_PART",
+                "_MADE_OF",
+                "_NOT_MADE_OF",
                 "_THAT_IS",
                 "_EXCEPT",
                 "",
