@@ -12,6 +12,7 @@ from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 from assistant.forgotten_words import but_forgotten
 from assistant.lexicon import VocabularyLexicon
 from assistant.reply import sentence
+from assistant.spots import on_a_spot
 from assistant.tense import as_of_now
 from d3a.answer import Answer, Status
 from d3a.conclude import within
@@ -193,6 +194,7 @@ def ask_query(
     rung = _precision(precision)
     try:
         parameters = facts.parameters()
+        query = on_a_spot(query, facts)
         meant = as_of_now(query)
         answer = execute(
             plan(meant, parameters=parameters, precision=rung),
@@ -218,7 +220,8 @@ def explain(store: Store, text: str | FormalQuery, *, now: datetime) -> Explanat
     started = perf_counter()
     query = read_question(store, text, now=now) if isinstance(text, str) else text
     parsed_ms = _ms_since(started)
-    parameters = Facts(store).parameters()
+    facts = Facts(store)
+    query, parameters = on_a_spot(query, facts), facts.parameters()
     steps = plan(as_of_now(query), parameters=parameters)
     store.tracing(native.append)
     try:

@@ -194,3 +194,24 @@ def test_a_question_is_asked_of_what_the_ingest_has_written_so_far(store: Store)
     later.into(store)
     after = ask(store, "How many bowls did you see?", now=NOW + timedelta(minutes=1))
     assert after.value == 1.0
+
+
+@pytest.mark.parametrize(
+    "text", ["what is on the den?", "is the cup on the den?", "where is the cup on the den?"]
+)
+def test_what_lies_on_a_place_of_that_name_lies_there(store: Store, text: str) -> None:
+    answer = ask(store, text, now=NOW)
+    assert answer.query is not None
+    assert (answer.query.form, answer.query.place, answer.query.relation) == ("Q3", "den", None)
+    assert (answer.status, answer.unjudged) == ("found", ())
+    assert [each.object_id for each in answer.keyframes] == ["cup"]
+    assert explain(store, text, now=NOW).answer.unjudged == ()
+
+
+def test_a_thing_goes_before_a_place_of_its_name(store: Store) -> None:
+    home = Home(classes=("cup", "bowl", "desk"))
+    home.room("desk", 0, 0, 3, 3)
+    answer = ask(home.into(store), "what is on the desk?", now=NOW)
+    assert answer.query is not None
+    assert answer.query.relation is not None
+    assert answer.query.place is None
