@@ -305,7 +305,7 @@ class _Run:
             places=int(counts["stays"]),
             skipped=skipped,
             seconds=dict(self._stopwatch.seconds),
-            already=self._frames == 0,
+            already=self._frames == 0 and had_frames > 0,
             already_frames=had_frames,
             forgotten=self._forgotten,
         )

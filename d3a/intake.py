@@ -9,6 +9,7 @@ from __future__ import annotations
 import difflib
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from datetime import UTC, datetime
 
 import numpy as np
 from numpy.typing import NDArray
@@ -200,7 +201,7 @@ def agree(intake: Intake, store: Store, key: str, detector: str = "") -> None:
     known = next((record for record in store.recordings() if record.key == key), None)
     if known is not None:
         differing = ", ".join(
-            f"{name} {_said(was.get(name))}, not {_said(now.get(name))}"
+            f"{_option(name)} {_said(name, was)}, not {_said(name, now)}"
             for name in {**now, **was}
             if was.get(name) != now.get(name)
         )
@@ -212,7 +213,21 @@ def agree(intake: Intake, store: Store, key: str, detector: str = "") -> None:
     store.apply(Batch(meta={META: {**others, key: now}}))
 
 
-def _said(value: object) -> str:
+def _said(name: str, noted: Json) -> str:
+    value = noted.get(name)
     if isinstance(value, list):
-        return ", ".join(str(each[0] if isinstance(each, list) else each) for each in value) or "-"
-    return "-" if value is None else str(value)
+        return _listed([str(each[0] if isinstance(each, list) else each) for each in value])
+    if value is None:
+        return "recorded" if name == "detector" else "none"
+    if name == "since_ms" and isinstance(value, int):
+        return datetime.fromtimestamp(value / 1000, UTC).isoformat(timespec="milliseconds")
+    return str(value)
+
+
+def _listed(words: Sequence[str]) -> str:
+    return " and ".join(words) or "none"
+
+
+def _option(name: str) -> str:
+    """Return how a person says it: since_ms is --since."""
+    return "--" + name.removesuffix("_ms").replace("_", "-")

@@ -28,6 +28,7 @@ NO_PICTURE = "no picture for the detector to look at"
 BROKEN_DEPTH = "broken depth picture"
 TOO_FAR = "position outside of the map's limits, which is then not used"
 OTHER_CAMERA = "picture of another size than the camera's, which is then not used"
+NO_CAMERA = "depth without the camera's intrinsics, which is then not used"
 WEAK = "detection below the least probability"
 OUTSIDE = "box outside of the picture"
 
@@ -153,6 +154,10 @@ class Preparation:
     def _seen(self, frame: Frame, skipped: Skipped) -> _Seen:
         frame = self._replaces.without(_within_the_map(frame, skipped))
         pixels, has_picture = self._picture(frame, skipped)
+        # a broken picture may be why its camera is not known, and is counted itself
+        is_sound = has_picture or frame.image is None
+        if frame.depth is not None and frame.camera is None and is_sound:
+            skipped.add(NO_CAMERA, frame.name)
         frame = _with_its_camera(frame, pixels, skipped)
         return _Seen(frame, pixels, self._depth(frame, pixels, skipped), has_picture)
 

@@ -130,7 +130,7 @@ class _Run:
             should_stop=patience.should_stop,
             fresh_s=self._fresh_s,
             is_resumable=not is_address(self._source),
-            intake=self._wanted.intake(self._settings.zone),
+            intake=lambda zone: self._wanted.intake(self._settings.zone or zone),
             detector=detector,
             embedder=embedder,
             on_progress=None if self._settings.quiet else _Ticker(self._say),

@@ -69,7 +69,10 @@ class Beside:
         """Yield the tables beside, for `d3a doctor`."""
         if self.poses is not None:
             track = read_track(self.poses, options.clock(), Skipped())
-            yield Stream.of(self.poses.name, "poses", track.times)
+            if track.times:
+                yield Stream.of(self.poses.name, "poses", track.times)
+            else:  # by the frames' names
+                yield Stream(self.poses.name, "poses", len(track.by_name))
         if self.detections is not None:
             yield Stream(self.detections.name, "detections", line_count(self.detections))
 

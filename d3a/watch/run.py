@@ -26,15 +26,16 @@ class Watching:
     """What an ingest that follows a recording needs besides the recording and the store.
 
     fresh_s: the store is at most this much older than what came. is_resumable: whether the
-    recording can be followed from its start again; else one that is stopped is ended. on_again:
-    told when something was forgotten meanwhile and the ingest goes on from its last checkpoint.
+    recording can be followed from its start again; else one that is stopped is ended. intake: what
+    goes in, given the recording's zone, for times without an offset. on_again: told when something
+    was forgotten meanwhile and the ingest goes on from its last checkpoint.
     """
 
     parameters: Parameters
     should_stop: Callable[[], bool]
     fresh_s: float = FRESH_S
     is_resumable: bool = True
-    intake: Intake = EVERYTHING
+    intake: Callable[[str | None], Intake] = lambda _: EVERYTHING
     detector: Detector | None = None
     embedder: Embedder | None = None
     on_progress: Progress | None = None
@@ -63,7 +64,7 @@ def watch(
                 detector=watching.detector,
                 embedder=watching.embedder,
                 on_progress=watching.on_progress,
-                intake=watching.intake,
+                intake=watching.intake(follower.facts.zone),
                 live=Live(watching.fresh_s, asked),
             )
         except NothingYet:

@@ -190,6 +190,17 @@ def test_what_is_forgotten_meanwhile_stays_forgotten_and_the_watch_goes_on(tmp_p
         assert all(s.end_ms > forgotten_ms - 2000 for s in opened.sightings(object_ids=cups))
 
 
+def test_a_time_to_begin_at_is_of_the_recordings_zone_as_in_ingest(tmp_path: Path) -> None:
+    patrol(tmp_path / "r", 12)
+    since = ("r", "--since", "2024-05-01T12:00:00.500", "--json")  # 10:00 UTC, in Berlin
+    watched = d3a(tmp_path, "watch", *since, "--until-idle", "0.5")
+    assert watched.returncode == 0, watched.stderr
+    assert json.loads(watched.stdout)["summary"]["frames"] == 7
+    (tmp_path / "s.db").rename(tmp_path / "watched.db")
+    assert d3a(tmp_path, "ingest", *since).returncode == 0
+    assert dump(tmp_path / "watched.db") == dump(tmp_path / "s.db")
+
+
 def test_nothing_to_watch_is_a_clear_no(tmp_path: Path) -> None:
     done = d3a(tmp_path, "watch", "nowhere", "--until-idle", "0.3")
     assert done.returncode == 2

@@ -11,7 +11,15 @@ import pytest
 from d3a.ingest import ingest
 from d3a.model import BadInput, Detection, Frame, Pose
 from d3a.parameters import DEFAULT, PAPER, Parameters
-from d3a.preparation import BROKEN_DEPTH, BROKEN_PICTURE, OTHER_CAMERA, OUTSIDE, TOO_FAR, WEAK
+from d3a.preparation import (
+    BROKEN_DEPTH,
+    BROKEN_PICTURE,
+    NO_CAMERA,
+    OTHER_CAMERA,
+    OUTSIDE,
+    TOO_FAR,
+    WEAK,
+)
 from d3a.readers.opening import open_source
 from d3a.sieve import BACKWARDS, DUPLICATE, NO_DATE
 from d3a.store.base import Batch, TaughtName
@@ -109,6 +117,15 @@ def test_a_slip_beyond_the_stores_limits_does_not_end_an_ingest(tmp_path: Path) 
     assert summary.frames == 5
     assert summary.skipped.counts == {NO_DATE: 1, TOO_FAR: 2}
     assert store.check() == []
+
+
+def test_depth_that_no_intrinsics_make_use_of_is_counted(tmp_path: Path) -> None:
+    folder = pictured(tmp_path / "r", 3)
+    said = json.loads((folder / "recording.json").read_text())
+    (folder / "recording.json").write_text(json.dumps(said | {"camera": None}))
+    summary = ingest(open_source(folder), OracleStore(), DEFAULT)
+    assert summary.skipped.counts == {NO_CAMERA: 3}
+    assert (summary.frames, summary.detections) == (3, 3)
 
 
 def test_a_picture_that_the_camera_did_not_take_goes_without_it(tmp_path: Path) -> None:

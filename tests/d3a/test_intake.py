@@ -66,6 +66,27 @@ def test_twice_or_in_parts_is_as_once(tmp_path: Path, intake: Intake) -> None:
     assert parts.check() == []
 
 
+def test_a_recording_of_which_nothing_goes_in_is_not_called_there_already(tmp_path: Path) -> None:
+    nothing = Intake(since_ms=START_MS + 3_600_000)
+    store = OracleStore()
+    for _ in range(2):
+        summary = ingest(open_source(as_recording(tmp_path / "r")), store, OFTEN, intake=nothing)
+        assert summary.skipped.counts == {NOT_YET: len(moments())}
+        assert not summary.already
+
+
+def test_a_refusal_names_the_options_as_they_are_said(tmp_path: Path) -> None:
+    folder = as_recording(tmp_path / "r")
+    store = done(folder, CASES["all"])
+    with pytest.raises(BadInput) as refused:
+        ingest(open_source(folder), store, OFTEN)
+    said = str(refused.value)
+    assert "--since 20" in said
+    assert "--every 3, not 1" in said
+    assert "--ignore cup, not none" in said
+    assert "--off-limits bathroom, not none" in said
+
+
 @pytest.mark.parametrize("intake", CASES.values(), ids=CASES.keys())
 @pytest.mark.parametrize("max_frames", [1, None])
 def test_other_options_for_a_recording_that_is_there_are_refused(

@@ -121,9 +121,9 @@ def test_a_recording_is_looked_at_by_one_detector(tmp_path: Path) -> None:
     reader, store = pictured([CUP] * 6), OracleStore()
     detector = looker(tmp_path)
     ingest(reader, store, DEFAULT, detector=detector, max_frames=3)
-    with pytest.raises(BadInput, match=r"was taken in with detector m\.onnx \w{8}, not m\.onnx"):
+    with pytest.raises(BadInput, match=r"was taken in with --detector m\.onnx \w{8}, not m\.onnx"):
         ingest(reader, store, DEFAULT, detector=looker(tmp_path, threshold="0.3"))
-    with pytest.raises(BadInput, match=r"was taken in with detector m\.onnx \w{8}, not -"):
+    with pytest.raises(BadInput, match=r"with --detector m\.onnx \w{8}, not recorded:"):
         ingest(pictured([CUP] * 6, ()), store, DEFAULT)
     ingest(reader, store, DEFAULT, detector=looker(tmp_path))
     whole = ingested(reader, detector)[1]

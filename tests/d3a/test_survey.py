@@ -72,6 +72,20 @@ def test_recorded_positions_need_no_depth(tmp_path: Path) -> None:
     assert "gone" in poses.cost
 
 
+def test_poses_by_the_frames_names_are_counted(tmp_path: Path) -> None:
+    for number in range(3):
+        (tmp_path / f"{number}.jpg").write_bytes(jpeg(number))
+    (tmp_path / "times.csv").write_text(
+        "file,time\n" + "".join(f"{n}.jpg,{1_700_000_000 + n}\n" for n in range(3))
+    )
+    (tmp_path / "poses.csv").write_text(
+        "file,x,y,z,qx,qy,qz,qw\n" + "".join(f"{n}.jpg,{n},0,0,0,0,0,1\n" for n in range(3))
+    )
+    found = survey(open_source(tmp_path))
+    assert found.having["pose"] == 3
+    assert [each.count for each in found.streams if each.kind == "poses"] == [3]
+
+
 def test_what_is_there_in_part_is_counted(tmp_path: Path) -> None:
     folder = as_recording(tmp_path / "r")
     (folder / "depth" / f"{moments()[2].name}.png").unlink()
