@@ -16,7 +16,7 @@ from d3a.colours import HISTOGRAM_SIZE, Palette, histograms
 from d3a.match import Lexicon
 from d3a.moments import in_slice, joined
 from d3a.parameters import DEFAULT, PROFILES, Parameters
-from d3a.places import Landmarks, is_landmark_word, landmarks
+from d3a.places import Landmarks, is_hollow_word, is_landmark_word, landmarks
 from d3a.store.base import (
     ObjectRecord,
     Region,
@@ -247,7 +247,7 @@ class Facts:
     def usual_grounds(self, kind: RelationKind, lexicon: Lexicon) -> frozenset[str]:
         """Return the categories of the store that things usually stand in the relation to.
 
-        There is room below furniture; things lie on what is large and stays.
+        There is room below furniture and in containers; things lie on what is large and stays.
         """
         if kind == "under":
             return frozenset(
@@ -255,6 +255,8 @@ class Facts:
                 for category in self.categories()
                 if "furniture" in lexicon.broader(lexicon.canonical(category))
             )
+        if kind == "in":
+            return frozenset(c for c in self.categories() if is_hollow_word(c, lexicon))
         if kind in ("on", "above"):
             return frozenset(c for c in self.categories() if is_landmark_word(c, lexicon))
         return frozenset()

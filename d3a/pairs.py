@@ -20,6 +20,14 @@ EDGE_SHARE = 0.15
 """How far beyond a measured width a figure's middle may be: of things a part is seen."""
 
 
+OWN_ERROR, VISIT_ERROR = 1.2, 2.5
+"""By how much things seen together, and things never seen together, are further off each other
+than their covariances say: these take looks for independent, but the looks of one visit share the
+error of the robot's place. Between things of one frame that error cancels."""
+LEAST_SEEN = 3.0
+"""A thing is at most so many times as wide as what is seen of it."""
+
+
 @dataclass(frozen=True, slots=True)
 class Pairs:
     """n pairs of a figure (a) and a ground (b); NaN where something is unknown.
@@ -145,6 +153,52 @@ def overlap_x(pairs: Pairs) -> Floats:
     width_a = pairs.box_a[:, 2] - pairs.box_a[:, 0]
     width_b = pairs.box_b[:, 2] - pairs.box_b[:, 0]
     return np.asarray(np.clip(right - left, 0.0, None) / np.minimum(width_a, width_b))
+
+
+def apart_sigma(pairs: Pairs) -> Floats:
+    """Return the deviation of a pair's displacement in the plane, metres (n,).
+
+    The error of the robot's place cancels where one frame shows both; the point that was measured
+    of a wide thing is anywhere on what was seen of it.
+    """
+    width = np.nan_to_num(np.hypot(pairs.extent_a[:, 0], pairs.extent_b[:, 0]))
+    return np.hypot(
+        pairs.sigma * np.where(pairs.shared, OWN_ERROR, VISIT_ERROR), EDGE_SHARE * width
+    )
+
+
+def overlap_whole(pairs: Pairs) -> Floats:
+    """Return `overlap_x` of the whole things: what is behind another is seen in part only.
+
+    A box that shows less than the thing's width goes on by the rest, to either side.
+    """
+    left = np.maximum(pairs.box_a[:, 0], pairs.box_b[:, 0])
+    right = np.minimum(pairs.box_a[:, 2], pairs.box_b[:, 2])
+    covered, widths = right - left, []
+    with np.errstate(invalid="ignore", divide="ignore"):
+        for extent, box in ((pairs.extent_a, pairs.box_a), (pairs.extent_b, pairs.box_b)):
+            seen = box[:, 2] - box[:, 0]
+            by_height = extent[:, 0] / extent[:, 1] * (box[:, 3] - box[:, 1])
+            whole = np.fmax(seen, np.fmin(LEAST_SEEN * seen, by_height))
+            covered = covered + (whole - seen) / 2
+            widths.append(whole)
+        return np.asarray(np.clip(covered, 0.0, None) / np.minimum(*widths))
+
+
+def gap_across(pairs: Pairs) -> Floats:
+    """Return the metres between two things as the viewer sees them side by side, NaN if untold.
+
+    By their places and widths, where the nearer is; negative where one is before the other.
+    """
+    sides, halves, depths = [], [], []
+    for place, extent in ((pairs.position_a, pairs.extent_a), (pairs.position_b, pairs.extent_b)):
+        away = place - pairs.viewer[:, :3]
+        ahead = np.maximum((away * camera_axis(pairs.viewer, 2)).sum(axis=1), EDGE_M)
+        sides.append((away * camera_axis(pairs.viewer, 0)).sum(axis=1) / ahead)
+        halves.append(extent[:, 0] / 2 / ahead)
+        depths.append(ahead)
+    gap = (np.abs(sides[0] - sides[1]) - halves[0] - halves[1]) * np.minimum(*depths)
+    return np.where(np.isnan(distance_of(pairs)), np.nan, gap)
 
 
 def height_in(pairs: Pairs, edge: Floats) -> Floats:

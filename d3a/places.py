@@ -26,6 +26,12 @@ LANDMARK_WORDS = frozenset(
     | {"washing machine", "dryer"}
 )
 """What is large and stays where it is, by name or by a wider word."""
+HOLLOW_WORDS = frozenset(
+    {"container", "shelf", "cabinet", "drawer", "rack", "bag", "luggage", "drinkware", "dish"}
+    | {"sink", "bathtub", "wardrobe", "closet", "crib", "vehicle"}
+    | {"refrigerator", "freezer", "oven", "microwave", "dishwasher", "washing machine", "dryer"}
+)
+"""What other things are put into, by name or by a wider word."""
 MOVABLE_WORDS = frozenset(
     {"chair", "stool", "ottoman", "pouf", "bean bag", "crib", "person", "animal", "vehicle"}
 )
@@ -93,6 +99,12 @@ def is_landmark_word(category: str, lexicon: Lexicon, *, or_large: bool = False)
     name = lexicon.canonical(category)
     kinds = {name, *lexicon.broader(name)}
     return not kinds & MOVABLE_WORDS and (or_large or bool(kinds & LANDMARK_WORDS))
+
+
+def is_hollow_word(category: str, lexicon: Lexicon) -> bool:
+    """Return whether things of a category have room inside, by its name."""
+    name = lexicon.canonical(category)
+    return bool({name, *lexicon.broader(name)} & HOLLOW_WORDS)
 
 
 def landmarks(

@@ -18,15 +18,18 @@ from d3a.pairs import (
     SAME_SPOT_M,
     Floats,
     Pairs,
+    apart_sigma,
     as_factor,
     beside_within,
     box_area,
     box_middle,
     camera_axis,
     distance_of,
+    gap_across,
     height_in,
     longer_side,
     normal_cdf,
+    overlap_whole,
     overlap_x,
     rise_of,
     soft_step,
@@ -44,12 +47,22 @@ LEVEL_M = 0.1
 is below its top."""
 SEAT_M = 0.15
 """How far above a measured top the underside of what lies on it may be."""
-DEEP_M = 1.0
-"""A picture shows no depth of a thing: couches, tables and beds by their side have about this."""
-TEMPER = 0.3
+DEEP_M, LENGTH_M = 1.0, 1.3
+"""A picture shows no depth of a thing: couches, tables and beds by their side have about this,
+and more where they are seen from their end. By their side where a neighbour may be as high."""
+TEMPER = 0.15
 """What boxes may take from measured places: much of a table is hidden, and its box says little."""
-SEAT_SHARE = 0.25
+WIDE_M, HIDDEN_SHARE = 0.75, 0.25
+"""What is as wide as a table is seldom seen whole: it goes on by this share of what was seen."""
+TOP_SHARE = 0.35
+"""What is above a table clears this share of the way from its middle to its measured top: the box
+of a wide top reaches higher than the top, by the far edge. Of other things it clears all."""
+SEAT_SHARE = 0.2
 """How far below its middle, as a share of its height, a thing may carry another: a couch's seat."""
+FITS_SHARE = 0.8
+"""What is in or under a thing is narrower than this share of its width."""
+SOLID = 0.3
+"""How likely a thing that is not known as hollow has room for what is measured inside of it."""
 FLOOR_SHARE = 0.3
 """What is under a thing stands no higher than this share of its height: on the floor with it."""
 SIDE_M = 2.0
@@ -71,7 +84,8 @@ def probability(kind: RelationKind, pairs: Pairs, parameters: Parameters) -> Flo
 def between(first: Pairs, second: Pairs) -> Floats:
     """Return how likely a lies between b (of `first`) and c (of `second`), 0..1, (n,).
 
-    By positions: the foot of a on the line b-c is between its ends, and a is near the line.
+    By positions: the foot of a on the line b-c is between its ends, and a is nearer to the line
+    than half of its length.
     By boxes of a frame that shows all three, where positions do not tell.
     """
     a, b, c = first.position_a, first.position_b, second.position_b
@@ -84,7 +98,7 @@ def between(first: Pairs, second: Pairs) -> Floats:
         by_place = (
             normal_cdf(along / sigma)
             * normal_cdf((length - along) / sigma)
-            * normal_cdf((np.maximum(length / 2, REACH_M) - off) / sigma)
+            * normal_cdf((length / 2 - off) / sigma)
         )
         x_a, x_b, x_c = (box_middle(box)[:, 0] for box in (first.box_a, first.box_b, second.box_b))
         scale = 0.25 * np.abs(x_c - x_b)
@@ -93,17 +107,25 @@ def between(first: Pairs, second: Pairs) -> Floats:
         return np.where(np.isnan(by_place) | (length < SAME_SPOT_M), by_box, by_place)
 
 
-def _footprint(pairs: Pairs) -> Floats:
-    """Return the probability that the figure stands within the ground's width, in the plane."""
+def _footprint(pairs: Pairs, *, inside: bool = False, deep_m: float = LENGTH_M) -> Floats:
+    """Return the probability that the figure stands within the ground's width, in the plane.
+
+    inside: what has walls is seen as wide as it is. deep_m: how deep a ground may be. Across the
+    view a shared frame tells it too, without the error of the robot's place: the mean counts.
+    """
     width = pairs.extent_b[:, 0]
-    usual = width * (0.5 + EDGE_SHARE) + EDGE_M  # much of it may be hidden
-    edge = np.where(pairs.usual_b, usual, width / 2 + EDGE_M / 2)
+    hidden = EDGE_SHARE + HIDDEN_SHARE * soft_step(width, WIDE_M, 0.04)
+    usual = width * (0.5 + hidden) + EDGE_M
+    edge = np.where(pairs.usual_b & (not inside), usual, width / 2 + EDGE_M / 2)
     edge = np.where(np.isnan(width), REACH_M * 1.5, edge)
     across, along = spread_out(pairs)
-    deep = np.where(np.isnan(width), edge, np.minimum(edge, DEEP_M / 2 + EDGE_M))
-    by_sides = normal_cdf((edge - across) / pairs.sigma) * normal_cdf((deep - along) / pairs.sigma)
-    inside = np.where(np.isnan(by_sides), within(pairs, edge, level=True), by_sides)
-    return inside * as_factor(beside_within(pairs, edge))
+    deep = np.where(np.isnan(width), edge, np.minimum(edge, deep_m / 2 + EDGE_M))
+    by_place = normal_cdf((edge - across) / pairs.sigma)
+    in_picture = beside_within(pairs, edge)
+    sideways = np.where(np.isnan(in_picture), by_place, (by_place + in_picture) / 2)
+    by_sides = sideways * normal_cdf((deep - along) / pairs.sigma)
+    about = within(pairs, edge, level=True) * as_factor(in_picture)
+    return np.where(np.isnan(by_sides), about, by_sides)
 
 
 def _measured(pairs: Pairs) -> NDArray[np.bool_]:
@@ -183,8 +205,8 @@ def _on(pairs: Pairs, _: Parameters) -> Floats:
     underside, top = _heights(pairs)
     spread = _upright(pairs)
     by_size = (
-        _footprint(pairs)
-        * normal_cdf((underside + 2 * SEAT_SHARE * top + LEVEL_M) / spread)
+        _footprint(pairs, deep_m=DEEP_M)
+        * normal_cdf((underside + 2 * SEAT_SHARE * top) / spread)
         * normal_cdf((top + SEAT_M - underside) / spread)
     )
     return _tempered(pairs, by_box, by_size, lambda: _over_or_below(pairs, by_box, 1.0))
@@ -194,6 +216,11 @@ def _upright(pairs: Pairs) -> Floats:
     """Return the deviation of heights against each other: of the points, and of the sizes."""
     sizes = np.hypot(pairs.extent_a[:, 1], pairs.extent_b[:, 1])
     return np.hypot(np.minimum(pairs.sigma_up, LEVEL_M), EDGE_SHARE / 2 * sizes)
+
+
+def _fits(pairs: Pairs) -> Floats:
+    """Return the probability that the figure is narrower than the ground: in or under it."""
+    return 1 - soft_step(pairs.extent_a[:, 0] / pairs.extent_b[:, 0], FITS_SHARE, 0.05)
 
 
 def _under(pairs: Pairs, _: Parameters) -> Floats:
@@ -208,18 +235,21 @@ def _under(pairs: Pairs, _: Parameters) -> Floats:
     spread = _upright(pairs)
     below_middle = -rise_of(pairs)
     on_its_floor = np.minimum(below_middle, (2 * FLOOR_SHARE - 1) * top - underside)
-    below_all = below_middle - top
-    by_size = _footprint(pairs) * normal_cdf(
-        np.where(pairs.usual_b, on_its_floor, below_all) / spread
+    below_all = np.minimum(below_middle - top, REACH_M - (below_middle - top))
+    by_size = (
+        _footprint(pairs)
+        * normal_cdf(np.where(pairs.usual_b, on_its_floor, below_all) / spread)
+        * _fits(pairs)
     )
     return _tempered(pairs, by_box, by_size, lambda: _over_or_below(pairs, by_box, -1.0))
 
 
 def _above(pairs: Pairs, _: Parameters) -> Floats:
     foot = height_in(pairs, pairs.box_a[:, 3])
-    by_box = soft_step(overlap_x(pairs), 0.4, 0.08) * (1 - soft_step(foot, 0.5, 0.06))
+    by_box = soft_step(overlap_x(pairs), 0.4, 0.08) * (1 - soft_step(foot, 0.75, 0.06))
     underside, top = _heights(pairs)
-    by_size = _footprint(pairs) * normal_cdf((underside - top / 2) / _upright(pairs))
+    clear = np.where(pairs.usual_b, TOP_SHARE, 1.0)
+    by_size = _footprint(pairs) * normal_cdf((underside - clear * top) / _upright(pairs))
     return _tempered(pairs, by_box, by_size, lambda: _over_or_below(pairs, by_box, 1.0))
 
 
@@ -235,7 +265,25 @@ def _in(pairs: Pairs, _: Parameters) -> Floats:
         1 - soft_step(box_area(pairs.box_a) / box_area(pairs.box_b), 0.8, 0.05)
     )
     half = np.where(np.isnan(pairs.extent_b[:, 0]), REACH_M, pairs.extent_b[:, 0] / 2)
-    return _box_or_place(pairs, by_box, within(pairs, half))
+    underside, top = _heights(pairs)
+    spread, rise = _upright(pairs), rise_of(pairs)
+    by_size = (
+        _footprint(pairs, inside=True)
+        * normal_cdf(
+            (top + EDGE_M / 2 - underside) / spread
+        )  # of what is in a box the head may show
+        * normal_cdf((top + rise) / spread)
+        * _fits(pairs)
+        * np.where(pairs.usual_b, 1.0, SOLID)
+    )
+    foot = height_in(pairs, pairs.box_a[:, 3])
+    sunk = soft_step(overlap_x(pairs), 0.75, 0.06) * soft_step(foot, 0.1, 0.04)
+    return _tempered(
+        pairs,
+        sunk * (1 - soft_step(foot, 1.1, 0.04)),
+        by_size,
+        lambda: _box_or_place(pairs, by_box, within(pairs, half)),
+    )
 
 
 def _left_of(pairs: Pairs, _: Parameters) -> Floats:
@@ -261,7 +309,9 @@ def _in_front_of(pairs: Pairs, _: Parameters) -> Floats:
     # things stand on a common floor or top: what is nearer ends lower in the picture
     by_box = normal_cdf((pairs.box_a[:, 3] - pairs.box_b[:, 3]) / (0.5 * height))
     front = np.where(np.isnan(by_place), by_box, by_place)
-    aligned = np.where(pairs.shared, soft_step(overlap_x(pairs), 0.15, 0.08), 1.0)
+    in_line = soft_step(overlap_whole(pairs), 0.1, 0.08)
+    in_line = np.fmax(in_line, normal_cdf(-(gap_across(pairs) + EDGE_M) / pairs.sigma))
+    aligned = np.where(pairs.shared, in_line, 1.0)
     return front * aligned * as_factor(within(pairs, SIDE_M))
 
 
@@ -272,7 +322,9 @@ def _behind(pairs: Pairs, parameters: Parameters) -> Floats:
 def _same_place(pairs: Pairs, parameters: Parameters) -> Floats:
     here = np.linalg.norm(pairs.position_a - pairs.position_b, axis=1)
     beside = as_factor(beside_within(pairs, parameters.d_thresh_m))
-    return normal_cdf((parameters.d_thresh_m - here) / pairs.sigma) * beside
+    spread = apart_sigma(pairs)
+    # of all displacements that may have been measured so, more are longer: there is more room
+    return normal_cdf((parameters.d_thresh_m - np.hypot(here, spread)) / spread) * beside
 
 
 def _between_alone(pairs: Pairs, parameters: Parameters) -> Floats:

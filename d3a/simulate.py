@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import shutil
 import zlib
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -85,11 +85,13 @@ def simulate(
     seed: int = 0,
     condition: str | Condition = "nominal",
     depth: bool = True,
+    arrange: Callable[[World], World] | None = None,
 ) -> Simulated:
     """Write the world of `seed` under `condition` to the folder `out`, with truth.jsonl.
 
     The same seed and hours give the same things, moves and rounds under every condition but
     `even-patrol`; the same arguments give the same bytes. depth: write a depth image per frame.
+    arrange: changes the seed's world before the robot drives, for worlds of one's own.
     Raises BadInput for an unknown condition, for hours outside of 0.05 to 200, and where `out`
     exists and is not a recording.
     """
@@ -99,6 +101,7 @@ def simulate(
     _prepare(out)
     streams = _Streams(seed)
     world = build(hours, streams["world"])
+    world = world if arrange is None else arrange(world)
     track = patrol(world, hours, chosen.even_patrol, streams["patrol"])
     believed = reported(track, chosen, streams["pose"])
     positions = world.positions(track.times)

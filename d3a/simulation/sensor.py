@@ -252,7 +252,7 @@ def _categories(
     names = []
     for k, wrong, p in zip(thing, fooled, pick, strict=True):
         true = world.things[k].category
-        others = CONFUSABLE[true]
+        others = CONFUSABLE.get(true, (true,))  # of an arranged world's own kinds none is
         names.append(others[int(p * len(others))] if wrong else true)
     return names, fooled
 

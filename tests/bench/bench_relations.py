@@ -3,11 +3,14 @@
     python -m tests.bench.bench_relations [--hours 3] [--seeds 0 1] [--conditions nominal]
 
 A world is written and ingested, and every pair of its objects is related by the planner's own
-joins. near, on and under are true as truth.jsonl has them; above, together, same place and the
-sides follow from the solids and the robot's true poses, which are those of the noiseless recording
-of the same seed. What is judged is a pair of stays that were both detected in one frame (for sides
-a pair in its keyframe), so that what nobody could see is no miss. A pair whose sides are within
-`EVEN` of each other is left out: nobody could say. Goals: 0.9 noiseless, 0.75 nominal.
+joins. The worlds are arranged (tests/worlds/arranged.py): a simulated home has nothing beneath its
+tables and no box to put a thing into; `--plain` leaves them as they are. near, on and under are
+true as truth.jsonl has them; above, in, together, same place, between and the sides follow from the
+solids and the robot's true poses, which are those of the noiseless recording of the same seed.
+What is judged is a pair of stays that were both detected in one frame (for sides and between, what
+one keyframe shows), so that what nobody could see is no miss. What is within `EVEN` of the border
+(of one side and the other, of the limit of same place, of the ends of between) is left out: nobody
+could say. Goals: 0.9 noiseless, 0.75 nominal.
 """
 
 from __future__ import annotations
@@ -17,9 +20,10 @@ import json
 import sys
 import tempfile
 from collections import defaultdict
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing
 from dataclasses import dataclass
+from itertools import combinations
 from pathlib import Path
 
 import numpy as np
@@ -27,22 +31,23 @@ import numpy as np
 from assistant.lexicon import VocabularyLexicon
 from d3a.facts import Facts
 from d3a.ingest import ingest
-from d3a.joins import HOLDS, SYMMETRIC, Link, relate
+from d3a.joins import HOLDS, SYMMETRIC, Link, pairs_of, relate
 from d3a.match import Candidate
 from d3a.model import Box
 from d3a.moments import Found
 from d3a.parameters import DEFAULT, Parameters
 from d3a.readers.opening import open_source
-from d3a.relations import SIDE_M
+from d3a.relations import SIDE_M, between
 from d3a.simulate import simulate
 from d3a.store import open_store
-from d3a.store.base import Store
+from d3a.store.base import Encounter, StayKey, Store
 from d3a.truth import Truth, place_at, read_truth
 from grammar.forms import RelationKind
+from tests.worlds.arranged import HOLLOW, arranged
 
 GOALS = {"noiseless": 0.9, "nominal": 0.75}
 GIVEN: tuple[RelationKind, ...] = ("near", "on", "under")
-DERIVED: tuple[RelationKind, ...] = ("above", "together", "same_place")
+DERIVED: tuple[RelationKind, ...] = ("above", "in", "together", "same_place")
 SIDES: tuple[RelationKind, ...] = ("left_of", "right_of", "in_front_of", "behind")
 EVEN_M = 0.1
 TOUCHING_M = 0.02
@@ -112,8 +117,13 @@ class World:
         width, depth, height = self.sizes[stay[0]]
         return Solid(centre, (width, depth, height))
 
-    def given(self, kind: str, a: Stay, b: Stay) -> bool:
-        """Return whether truth.jsonl has the relation while b was at its place."""
+    def given(self, kind: str, a: Stay, b: Stay) -> bool | None:
+        """Return whether truth.jsonl has the relation while b was at its place.
+
+        None for "on" of what is in a hollow thing: it lies on a board of the shelf.
+        """
+        if kind == "on" and self.derived("in", a, b):
+            return None
         places = self.truth.objects[b[0]].places
         name = self.truth.objects[b[0]].name
         rows = self.truth.objects[a[0]].places[a[1]].relations
@@ -122,16 +132,38 @@ class World:
             for row in rows
         )
 
-    def derived(self, kind: str, a: Stay, b: Stay) -> bool:
-        """Return whether the solids say so."""
+    def derived(self, kind: str, a: Stay, b: Stay) -> bool | None:
+        """Return whether the solids say so, None where nobody could say."""
         one, other = self.solid(a), self.solid(b)
         apart = np.linalg.norm(np.subtract(one.centre, other.centre))
         if kind == "together":
             return (a, b) in self.together or bool(apart <= DEFAULT.together_m)
         if kind == "same_place":
-            return bool(apart <= DEFAULT.d_thresh_m)
-        over = np.abs(np.subtract(one.centre, other.centre))[:2] <= np.array(other.size[:2]) / 2
-        return bool(over.all()) and one.bottom >= other.top - TOUCHING_M
+            even = abs(apart - DEFAULT.d_thresh_m) < EVEN_M
+            return None if even else bool(apart <= DEFAULT.d_thresh_m)
+        if kind == "in":
+            hollow = self.truth.objects[b[0]].category in HOLLOW
+            inside = other.bottom - TOUCHING_M <= one.bottom and one.centre[2] < other.top
+            return hollow and self._over(a, b) and inside
+        return self._over(a, b) and one.bottom >= other.top - TOUCHING_M
+
+    def _over(self, a: Stay, b: Stay) -> bool:
+        """Return whether the middle of a is within the outline of b, seen from above."""
+        one, other = self.solid(a), self.solid(b)
+        apart = np.abs(np.subtract(one.centre, other.centre))[:2]
+        return bool((apart <= np.array(other.size[:2]) / 2).all())
+
+    def between(self, a: Stay, b: Stay, c: Stay) -> bool | None:
+        """Return whether a lies between b and c, None where nobody could say.
+
+        Its foot on the line is between the ends, and it is nearer to the line than half of that.
+        """
+        at, start, end = (np.array(self.solid(stay).centre) for stay in (a, b, c))
+        length = float(np.linalg.norm(end - start))
+        along = float((at - start) @ (end - start)) / max(length, TOUCHING_M)
+        off = float(np.sqrt(max(float((at - start) @ (at - start)) - along**2, 0.0)))
+        slack = min(along, length - along, length / 2 - off)
+        return None if abs(slack) < EVEN_M else slack > 0
 
     def side(self, kind: str, a: Stay, b: Stay, frame: str) -> bool | None:
         """Return whether a is on that side of b in a frame, None where nobody could say."""
@@ -139,7 +171,10 @@ class World:
         right = np.array([1 - 2 * (qy * qy + qz * qz), 2 * (qx * qy + qz * qw)])
         ahead = np.array([2 * (qx * qz + qy * qw), 2 * (qy * qz - qx * qw)])
         one, other = (np.array(self.solid(stay).centre[:2]) for stay in (a, b))
-        if np.linalg.norm(one - other) > SIDE_M:
+        beyond = float(np.linalg.norm(one - other)) - SIDE_M
+        if abs(beyond) < EVEN_M:
+            return None
+        if beyond > 0:
             return False
         depth = [float(ahead @ (p - (x, y))) for p in (one, other)]
         bearing = [
@@ -152,6 +187,8 @@ class World:
         half = [width / 2 / d for width, d in zip(shown, depth, strict=True)]
         gap = abs(bearing[0] - bearing[1]) - sum(half)
         nearer = depth[1] - depth[0]
+        if self._over(a, b) or self._over(b, a):  # on it, under it or in it, before it to nobody
+            return None
         if abs(nearer) < EVEN_M or abs(gap) < EVEN_M / max(depth):
             return None
         return gap < 0 and (nearer > 0) is (kind == "in_front_of")
@@ -212,6 +249,33 @@ def judged(
             for link, p in zip(related.links, related.probability, strict=True)
         ]
         yield kind, _sides(world, kind, pairs) if kind in SIDES else _stays(world, kind, pairs)
+    yield "between", _between(world, found, encounters, parameters)
+
+
+def _between(
+    world: World, found: Found, encounters: Sequence[Encounter], parameters: Parameters
+) -> Tally:
+    """Judge every three that one keyframe shows, the two others in either order once."""
+    by_frame: dict[tuple[StayKey, str], list[Link]] = defaultdict(list)
+    for link in relate("between", found, found, encounters, parameters).links:
+        if link.encounter is not None:
+            by_frame[link.figure, link.encounter.frame].append(link)
+    threes = [
+        (one, two)
+        for links in by_frame.values()
+        for one, two in combinations(links, 2)
+        if one.ground[0] != two.ground[0]
+    ]
+    sides = (pairs_of(list(links), found, found) for links in zip(*threes, strict=True))
+    tally = Tally()
+    for (one, two), p in zip(threes, between(*sides), strict=True):
+        (a, b, _), (_, c, _) = stays_of(world, one), stays_of(world, two)
+        if a is None or b is None or c is None or len({a[0], b[0], c[0]}) < 3:
+            continue
+        true = world.between(a, b, c)
+        if true is not None:
+            _count(tally, said=bool(p >= HOLDS), true=true)
+    return tally
 
 
 def _sides(world: World, kind: RelationKind, pairs: list[tuple[Link, bool]]) -> Tally:
@@ -239,10 +303,13 @@ def _stays(world: World, kind: RelationKind, pairs: list[tuple[Link, bool]]) -> 
             said.add((a, b))
     if kind in SYMMETRIC:
         said |= {(b, a) for a, b in said}
+    true_of: Callable[[str, Stay, Stay], bool | None]
     true_of = world.given if kind in GIVEN else world.derived
     tally = Tally(wrong=mistaken)
     for pair in sorted(said | world.together):
-        _count(tally, said=pair in said, true=true_of(kind, *pair))
+        true = true_of(kind, *pair)
+        if true is not None:
+            _count(tally, said=pair in said, true=true)
     return tally
 
 
@@ -258,12 +325,13 @@ def main() -> None:
     options.add_argument("--hours", type=float, default=3.0)
     options.add_argument("--seeds", type=int, nargs="+", default=[0, 1, 2, 3])
     options.add_argument("--conditions", nargs="+", default=list(GOALS))
+    options.add_argument("--plain", action="store_true", help="the seeds' worlds as they are")
     given = options.parse_args()
     total: dict[tuple[str, RelationKind], Tally] = defaultdict(Tally)
     for seed in given.seeds:
         with tempfile.TemporaryDirectory() as folder:
             for condition, kind, tally in measured(
-                Path(folder), given.hours, seed, given.conditions
+                Path(folder), given.hours, seed, given.conditions, plain=given.plain
             ):
                 sums = total[condition, kind]
                 sums.right += tally.right
@@ -281,16 +349,17 @@ def main() -> None:
 
 
 def measured(
-    folder: Path, hours: float, seed: int, conditions: list[str]
+    folder: Path, hours: float, seed: int, conditions: list[str], *, plain: bool = False
 ) -> Iterator[tuple[str, RelationKind, Tally]]:
     """Yield the tallies of a seed's world under each condition."""
     still = folder / "true"
-    simulate(still, hours=hours, seed=seed, condition="noiseless", depth=False)
+    change = None if plain else arranged
+    simulate(still, hours=hours, seed=seed, condition="noiseless", depth=False, arrange=change)
     frames = [json.loads(line) for line in (still / "frames.jsonl").open(encoding="utf-8")]
     poses = {frame["frame"]: frame["pose"] for frame in frames}
     for condition in conditions:
         recording = folder / condition
-        simulate(recording, hours=hours, seed=seed, condition=condition)
+        simulate(recording, hours=hours, seed=seed, condition=condition, arrange=change)
         with closing(open_store(str(folder / f"{condition}.db"))) as store:
             ingest(open_source(recording), store, DEFAULT)
             world = World(recording, poses)

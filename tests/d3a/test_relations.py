@@ -209,6 +209,7 @@ def test_pairs_are_judged_row_by_row() -> None:
 
 
 CUP, CHAIR, COUCH, TABLE_SIZE = (0.1, 0.1), (0.5, 0.9), (1.9, 0.9), (1.2, 0.8)
+BOX = (0.5, 0.4)
 
 
 @pytest.mark.parametrize(
@@ -224,6 +225,12 @@ CUP, CHAIR, COUCH, TABLE_SIZE = (0.1, 0.1), (0.5, 0.9), (1.9, 0.9), (1.2, 0.8)
         ("under", (2.0, 0.2, 0.45), (2.0, 0.0, 0.45), CUP, COUCH, True, False),
         ("under", (1.8, 0.0, 0.8), (2.0, 0.0, 0.95), CUP, (0.6, 0.4), False, False),  # before a tv
         ("under", (2.0, 0.0, 0.4), (2.0, 0.0, 0.95), CUP, (0.6, 0.4), False, True),
+        ("in", (2.0, 0.1, 0.45), (2.0, 0.0, 0.4), CUP, BOX, True, True),
+        ("in", (2.0, 0.1, 0.45), (2.0, 0.0, 0.4), CUP, BOX, False, False),  # a block, not a box
+        ("in", (2.0, 0.6, 0.45), (2.0, 0.0, 0.4), CUP, BOX, True, False),  # beside it
+        ("in", (2.0, 0.1, 0.8), (2.0, 0.0, 0.4), CUP, BOX, True, False),  # over it
+        ("in", (2.0, 0.1, 0.45), (2.0, 0.0, 0.4), BOX, CUP, True, False),  # wider than it
+        ("under", (2.0, 0.2, 0.1), (2.0, 0.0, 0.4), TABLE_SIZE, CHAIR, True, False),
         ("above", (2.0, 0.2, 1.4), (2.0, 0.0, 0.4), CUP, TABLE_SIZE, True, True),
         ("above", (2.0, 0.2, 0.5), (2.0, 0.0, 0.45), CUP, COUCH, True, False),
     ],
@@ -252,9 +259,34 @@ def test_a_table_that_is_mostly_hidden_still_carries_what_is_beside_its_box() ->
 def test_things_apart_in_one_picture_are_apart_whatever_the_places_say() -> None:
     close = (2.0, 0.1, 0.5), (2.0, 0.0, 0.5)
     boxes = (0.0, 100.0, 50.0, 150.0), (500.0, 100.0, 550.0, 150.0)  # ten widths of 0.1 m apart
-    assert holds("same_place", pair(*close, sigma=0.3)) > 0.7
-    apart = pair(*close, *boxes, NAN7, (0.1, 0.1), (0.1, 0.1), sigma=0.3)
+    assert holds("same_place", pair(*close, sigma=0.1)) > 0.7
+    apart = pair(*close, *boxes, NAN7, (0.1, 0.1), (0.1, 0.1), sigma=0.1)
     assert holds("same_place", apart) < 0.05
     cut = (500.0, 100.0, 501.0, 150.0)  # most of the other is beyond the picture
-    hidden = pair(*close, boxes[0], cut, NAN7, (0.1, 0.1), (1.9, 0.1), sigma=0.3)
-    assert holds("same_place", hidden) > 0.7
+    hidden = pair(*close, boxes[0], cut, NAN7, (0.1, 0.1), (0.9, 0.1), sigma=0.1)
+    assert holds("same_place", hidden) > 10 * holds("same_place", apart)
+
+
+def test_things_of_one_frame_share_the_error_of_the_robot_s_place() -> None:
+    places = (2.0, 0.4, 0.5), (2.0, 0.0, 0.5)
+    boxes = (0.0, 100.0, 50.0, 150.0), (180.0, 100.0, 230.0, 150.0)
+    shared = pair(*places, *boxes, NAN7, (0.1, 0.1), (0.1, 0.1), sigma=0.15)
+    alone = pair(*places, NAN4, NAN4, NAN7, (0.1, 0.1), (0.1, 0.1), sigma=0.15)
+    assert holds("same_place", shared) > 0.5
+    assert holds("same_place", alone) < 0.5  # never seen together: each has an error of its own
+
+
+def test_what_another_hides_in_part_is_still_behind_it() -> None:
+    whole, cut = (100.0, 100.0, 160.0, 200.0), (160.0, 100.0, 175.0, 160.0)
+    sizes = (0.6, 1.0), (0.6, 0.8)
+    behind = pair((3.0, -0.2, 0.5), (2.0, 0.0, 0.5), cut, whole, FACING_X, sizes[1], sizes[0])
+    assert holds("behind", behind) > 0.5
+    aside = (300.0, 100.0, 345.0, 160.0)
+    apart = pair((3.0, -1.8, 0.5), (2.0, 0.0, 0.5), aside, whole, FACING_X, sizes[1], sizes[0])
+    assert holds("behind", apart) < 0.3
+
+
+def test_between_keeps_to_the_line_of_close_things() -> None:
+    b, c = (0.0, 0.0, 1.0), (0.4, 0.0, 1.0)
+    for a, expected in (((0.2, 0.0, 1.0), True), ((0.2, 0.45, 1.0), False)):
+        assert bool(between(pair(a, b, sigma=0.05), pair(a, c, sigma=0.05))[0] > 0.5) is expected
