@@ -19,6 +19,10 @@ _BETWEEN_EACH = words_of("other single few second third of these those the coupl
 _OFTEN = words_of("hourly daily nightly weekly monthly yearly annually")
 _PLURALS = words_of("weekdays workdays weeknights weekends mornings afternoons evenings nights")
 _KINDS_OF_DAY = words_of("weekday workday weeknight weekend morning afternoon evening night")
+_BEFORE_CLOCK = words_of("at around about by since until")
+_WEEKDAYS = frozenset((*tw.WEEKDAY_NUMBER, *(f"{day}s" for day in tw.WEEKDAYS)))
+_FIRST = _EACH | _OFTEN | _PLURALS | _KINDS_OF_DAY | _WEEKDAYS | {"today", "tomorrow"}
+"""Words that a time which is none, or many, may begin with; a clock's begins after `at`."""
 _COUNTS = ("COUNT", "COUNT_OR", "NTH", "_OR", "_LAST", "_LASTN", "_THIS")
 
 
@@ -26,6 +30,8 @@ class UnplacedReader(NumberReader):
     """Reads what sounds like a time and names none, or many."""
 
     def _unplaced(self) -> TimeToken | None:
+        if self.word not in _FIRST and self._at(-1) not in _BEFORE_CLOCK:
+            return None
         for why, length in (
             (_RECURS, self._each() or self._plural() or self._often()),
             (_NO_HOUR, self._hourless()),
@@ -73,7 +79,7 @@ class UnplacedReader(NumberReader):
 
     def _hourless(self) -> int:
         """Return the words of `a quarter past` without its hour, after at or its like."""
-        if self._at(-1) not in ("at", "around", "about", "by", "since", "until"):
+        if self._at(-1) not in _BEFORE_CLOCK:
             return 0
         k = int(self.word in ("a", "the"))
         if self._at(k) in ("quarter", "half"):
