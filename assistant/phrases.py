@@ -19,6 +19,7 @@ from d3a.colours import is_colour
 from d3a.rank import LEAST_OF_BEST
 from grammar import vocabulary
 from grammar.forms import ANYTHING, FormalQuery, ObjectTerm
+from grammar.nountags import KIN
 
 _RELATIONS = {
     "together": "with",
@@ -28,6 +29,7 @@ _RELATIONS = {
     "right_of": "right of",
     "same_place": "in the same place as",
 }
+_ALL = frozenset({"everybody", "everyone"})
 _SCORE_OF_WORD = 0.86
 """Below this the word was a wider or narrower one: the answer says what was found instead."""
 
@@ -56,9 +58,16 @@ def described(term: ObjectTerm, unjudged: tuple[str, ...] = (), *, noun: str | N
 
 def definite(term: ObjectTerm, words: str) -> str:
     """Return the words with the owner or "the": "your keys", "Anna's keys", "the cup"."""
-    if term.owner in ("me", "you"):
-        return f"{'your' if term.owner == 'me' else 'my'} {words}"
-    return f"{sentence_case(term.owner)}'s {words}" if term.owner else f"the {words}"
+    return f"{whose(term.owner)} {words}" if term.owner else f"the {words}"
+
+
+def whose(owner: str) -> str:
+    """Return an owner before what is theirs: "your", "Anna's", "your grandmother's"."""
+    if owner in ("me", "you"):
+        return "your" if owner == "me" else "my"
+    if owner in KIN - _ALL:
+        return f"your {owner}'s"
+    return f"{sentence_case(owner)}'s"
 
 
 def indefinite(term: ObjectTerm, words: str, *, many: bool = False) -> str:

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from datetime import datetime
 
 from assistant.english import counted, listed
-from assistant.phrases import kind_of
+from assistant.phrases import kind_of, whose
 from assistant.pointing import find_row, same_place
 from assistant.taught import (
     Boxing,
@@ -337,8 +337,7 @@ def undone_words(done: Correction) -> str:
 
 def called(word: str, owner: str | None) -> str:
     """Return a taught name as it is said back: “your key”, “Anna's key”, “excalibur”."""
-    whose = "" if owner is None else "your " if owner == "me" else f"{owner.capitalize()}'s "
-    return f"“{whose}{word}”"
+    return f"“{word}”" if owner is None else f"“{whose(owner)} {word}”"
 
 
 def row_name(row: RankedKeyframe) -> str:

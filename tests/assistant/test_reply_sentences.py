@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from assistant.asking import ask
+from assistant.phrases import whose
 from assistant.reply import sentence
 from d3a.answer import Answer
 from tests.worlds.made import NOW, Home
@@ -213,3 +214,17 @@ def test_an_empty_memory_says_so() -> None:
     assert ask(OracleStore(), "Where is my cup?", now=NOW).answer == (
         "My memory is empty: nothing was stored yet."
     )
+
+
+@pytest.mark.parametrize(
+    ("owner", "said"),
+    [
+        ("me", "your"),
+        ("you", "my"),
+        ("anna", "Anna's"),
+        ("grandmother", "your grandmother's"),
+        ("everyone", "Everyone's"),
+    ],
+)
+def test_kin_are_the_asker_s(owner: str, said: str) -> None:
+    assert whose(owner) == said
