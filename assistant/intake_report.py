@@ -104,7 +104,7 @@ def summary_lines(summary: IngestSummary) -> list[str]:
         lines.append(clean(f"  {count} x {reason}" + (f": {examples}" if examples else "")))
     if summary.forgotten:
         lines.append(f"forgotten   {summary.forgotten} intervals, older than this store keeps them")
-    seconds = sum(summary.seconds.values())
+    seconds = summary.elapsed_s
     if summary.frames and seconds > 0:
         stages = ", ".join(f"{stage} {value:.2f} s" for stage, value in summary.seconds.items())
         frames, detections = summary.frames / seconds, summary.detections / seconds
@@ -131,6 +131,7 @@ def summary_json(summary: IngestSummary) -> dict[str, Any]:
             for reason, count in sorted(skipped.counts.items())
         ],
         "seconds": {stage: round(value, 3) for stage, value in summary.seconds.items()},
+        "elapsed": round(summary.elapsed_s, 3),
         "already": summary.already,
         "already_frames": summary.already_frames,
         "forgotten": summary.forgotten,

@@ -7,7 +7,7 @@ from contextlib import closing, contextmanager
 from dataclasses import dataclass, field, replace
 from itertools import chain
 from pathlib import Path
-from time import monotonic
+from time import monotonic, perf_counter
 
 from d3a.assignments import AssignmentLog
 from d3a.associator import Associator, check_filled_alike
@@ -55,7 +55,8 @@ class IngestSummary:
     """What an ingest did.
 
     frames, detections: taken in by this run. objects, places: in the store now. seconds: by stage
-    (decode, detect, embed, tiers, store). already: the store had all of it. already_frames: how
+    (decode, detect, embed, tiers, store), of all processes together. elapsed_s: from begin to end,
+    with the reading of the recording. already: the store had all of it. already_frames: how
     many frames it had before. forgotten: intervals that the store's retention took afterwards.
     """
 
@@ -65,6 +66,7 @@ class IngestSummary:
     places: int
     skipped: Skipped
     seconds: dict[str, float] = field(default_factory=dict)
+    elapsed_s: float = 0.0
     already: bool = False
     already_frames: int = 0
     forgotten: int = 0
@@ -121,6 +123,7 @@ class _Run:
         self._store = store
         self._parameters = parameters
         self._stopwatch = Stopwatch()
+        self._began = perf_counter()
         facts = reader.facts
         self._has_detector = detector is not None
         self._detector = detector or RecordedDetector(facts.classes)
@@ -305,6 +308,7 @@ class _Run:
             places=int(counts["stays"]),
             skipped=skipped,
             seconds=dict(self._stopwatch.seconds),
+            elapsed_s=perf_counter() - self._began,
             already=self._frames == 0 and had_frames > 0,
             already_frames=had_frames,
             forgotten=self._forgotten,

@@ -68,6 +68,7 @@ def test_everything_arrives(tmp_path: Path) -> None:
     assert summary.skipped.counts == {}
     assert done == [(n, 6) for n in range(1, 7)]
     assert set(summary.seconds) == {"decode", "detect", "embed", "tiers", "store"}
+    assert summary.elapsed_s >= sum(summary.seconds.values())
     (record,) = store.objects()
     assert record.embedding is not None
     assert record.extent_m == pytest.approx((0.8, 0.8))
