@@ -18,7 +18,7 @@ from grammar.forms import (
     TimeSlice,
 )
 from grammar.fragments import Fragment, Relative, parse_fragment
-from grammar.meaning import AtPlace, Related, SideBySide, form_of
+from grammar.meaning import AtPlace, Item, Related, SideBySide, form_of
 from grammar.parser import parse
 from grammar.vocabulary import lexicon
 
@@ -132,6 +132,11 @@ def _shifted(slice_: TimeSlice | None, shift: timedelta, text: str, seen: Seen |
             if whole
             else TimeSlice(seen.end, seen.end)
         )
+    edge = slice_.start or slice_.end
+    if edge is not None and None in (slice_.start, slice_.end):  # the day before `after that`
+        last = edge if slice_.start is not None else edge - timedelta(microseconds=1)
+        day = last.replace(hour=0, minute=0, second=0, microsecond=0)
+        slice_ = TimeSlice(day, day + timedelta(days=1))
     start = slice_.start + shift if slice_.start is not None else None
     end = slice_.end + shift if slice_.end is not None else None
     return TimeSlice(start, end)
@@ -164,7 +169,7 @@ def _with_terms(last: FormalQuery, fragment: Fragment) -> FormalQuery:
         return last
     count = _figures(last)
     figures, grounds = last.objects[:count], last.objects[count:]
-    if len(fragment.terms) == 1 and _refers_back(fragment.terms[0]):
+    if len(fragment.terms) == 1 and _refers_back(fragment.terms[0], fragment.items):
         target = figures or (ObjectTerm(ANYTHING, "thing"),)
         changed = tuple(_described(term, fragment.terms[0]) for term in target)
         return replace(last, objects=(*changed, *grounds))
@@ -181,9 +186,9 @@ def _figures(query: FormalQuery) -> int:
     return max(len(query.objects) - grounds, 0)
 
 
-def _refers_back(term: ObjectTerm) -> bool:
-    """Whether a term has no noun of its own: the red one, anna's."""
-    described = term.attributes or term.without or term.owner or term.quantity
+def _refers_back(term: ObjectTerm, items: tuple[Item, ...]) -> bool:
+    """Whether a term has no noun of its own: the red one, anna's, the one on the shelf."""
+    described = items or term.attributes or term.without or term.owner or term.quantity
     return term.category == ANYTHING and term.word == "thing" and bool(described)
 
 

@@ -9,9 +9,10 @@ from dataclasses import dataclass, replace
 from datetime import datetime, timedelta
 from typing import Literal
 
-from grammar.errors import QuestionError
+from grammar import numbers, scope
+from grammar.errors import NotUnderstood, QuestionError
 from grammar.forms import ANYTHING, Ask, Correction, FormalQuery, ObjectTerm, Select, TimeSlice
-from grammar.meaning import AtPlace, Item, Meaning
+from grammar.meaning import AtPlace, Group, Item, Meaning, Related
 from grammar.parser import NO_STORE, read
 from grammar.reading import Reading, Terminals
 from grammar.vocabulary import StoreWords
@@ -20,7 +21,9 @@ from grammar.words import Word
 Relative = Literal["before", "after", "since"]
 _LEADS = (
     "and what about", "and how about", "what about", "how about", "or what about", "and also",
-    "and then", "and", "or", "but", "also", "then", "ok and", "no",
+    "and then", "and", "or", "but", "also", "then", "ok and", "no", "i mean", "i meant",
+    "no i mean", "no i meant", "same question for", "the same question for", "same for",
+    "the same for",
 )  # fmt: skip
 _RELATIVES: dict[str, Relative] = {
     "before that": "before", "before then": "before", "earlier than that": "before",
@@ -44,6 +47,14 @@ _SHIFTS: dict[str, timedelta] = {
     "a week later": timedelta(weeks=1), "half an hour earlier": timedelta(minutes=-30),
     "half an hour later": timedelta(minutes=30),
 }  # fmt: skip
+_ASKED_ANEW: dict[str, Ask] = {
+    "which": "what", "which one": "what", "which ones": "what", "show me": "what",
+    "show them": "what", "show me them": "what", "list them": "what", "when was that": "when",
+    "when is that": "when", "where was that": "where",
+}  # fmt: skip
+_UNITS = {"minute": 60, "hour": 3600, "day": 86400, "week": 604800}
+_AMOUNT_BEFORE = ("before that", "before", "earlier", "prior to that")
+_AMOUNT_AFTER = ("after that", "after", "later")
 _SAME_TIME = ("at that time", "that day", "back then", "at the time", "on that day", "then")
 
 
@@ -87,14 +98,21 @@ def _followed(
 ) -> Fragment | FormalQuery:
     """Return what the sentences mean after `previous`."""
     text, it = reading.text, _spoken_of(previous)
+    if len(sentences) == 1:
+        spoken = " ".join(w.text for w in _led(sentences[0]))
+        if spoken in _ASKED_ANEW:
+            return Fragment(text, ask=_ASKED_ANEW[spoken])
+        if spoken in ("not those", "not these", "not them", "not it", "not that", "not this"):
+            raise NotUnderstood(text, 0, "I cannot tell which of them you mean.")
     if len(sentences) != 1:
         return reading.of(sentences, it)
     said, relative, shift, same_time = _relative(sentences[0])
     timed = relative is not None or shift is not None
     if timed and not said:
         return Fragment(text, relative=relative, shift=shift)
-    fragment = _fragment(reading, _led(said), it, placed=previous.place is not None)
+    fragment = _fragment(reading, said, it, placed=previous.place is not None)
     if fragment is not None:
+        fragment = _of_ground(fragment, it, previous)
         return replace(fragment, relative=relative, shift=shift)
     whole = reading.of([said], it)
     if timed:
@@ -108,6 +126,36 @@ def _followed(
             form="Q3" if whole.form == "Q1" and previous.time else whole.form,
         )
     return whole
+
+
+def _of_ground(fragment: Fragment, it: ObjectTerm | None, previous: FormalQuery) -> Fragment:
+    """Let `under it` mean under what the thing was beside: nothing is under itself."""
+    if fragment.terms or previous.relation is None or len(previous.objects) < 2:
+        return fragment
+    ground = Group((previous.objects[-1],))
+    items = tuple(
+        replace(item, group=ground)
+        if isinstance(item, Related) and _same(item.group.terms, it)
+        else item
+        for item in fragment.items
+    )
+    return replace(fragment, items=items)
+
+
+def _same(terms: tuple[ObjectTerm, ...], it: ObjectTerm | None) -> bool:
+    return it is not None and [replace(term, var=it.var) for term in terms] == [it]
+
+
+def _amount(spoken: str) -> timedelta | None:
+    """Return how far `two hours before that` moves the time, None for what is no such amount."""
+    words = spoken.split()
+    number = numbers.cardinal(words, 0)
+    unit = words[number[1]].removesuffix("s") if number and len(words) > number[1] else ""
+    if number is None or unit not in _UNITS:
+        return None
+    way = " ".join(words[number[1] + 1 :])
+    sign = (way in _AMOUNT_AFTER) - (way in _AMOUNT_BEFORE)
+    return timedelta(seconds=sign * number[0] * _UNITS[unit]) if sign else None
 
 
 def _spoken_of(previous: FormalQuery) -> ObjectTerm | None:
@@ -132,6 +180,9 @@ def _relative(
     """Take `before that` and its like off the end or the start."""
     texts = [w.text for w in _led(words)]
     spoken = " ".join(texts)
+    amount = _amount(spoken)
+    if amount is not None:
+        return [], None, amount, False
     if spoken in _SHIFTS:
         return [], None, _SHIFTS[spoken], False
     if spoken in _RELATIVES:
@@ -146,9 +197,13 @@ def _relative(
 
 
 def _fragment(
-    reading: Reading, words: list[Word], it: ObjectTerm | None, *, placed: bool
+    reading: Reading, whole: list[Word], it: ObjectTerm | None, *, placed: bool
 ) -> Fragment | None:
-    """Return the fragment that the words are, None when no rule of fragments reads them."""
+    """Return the fragment that the words are, None when no rule of fragments reads them.
+
+    Raises NotUnderstood for one unknown word that nothing leads: `thanks` is no thing.
+    """
+    words = _led(whole)
     try:
         found = reading.terminals(words, it)
         tags = found.tagged.tags
@@ -157,6 +212,8 @@ def _fragment(
         parsed = reading.parsed(found, "fragment")
     except QuestionError:
         return None
+    if [w.text for w in words] == [w.text for w in whole]:
+        scope.refuse_noise(reading.text, found.tagged, found.words, reading.lexicon, timed=False)
     fragment = _built(reading, found, parsed)
     return _in_place(fragment, reading) if placed else fragment
 

@@ -144,3 +144,9 @@ def test_any_follow_up_is_a_query_or_a_question_error(words: list[str]) -> None:
     except QuestionError:
         return
     assert FormalQuery.from_json(found.to_json()) == found
+
+
+@pytest.mark.parametrize("text", ["thanks", "not those"])
+def test_what_names_nothing_changes_nothing(text: str) -> None:
+    with pytest.raises(NotUnderstood):
+        follow(text, now=NOW, words=WORDS, last=parse("where is the cup", now=NOW))
