@@ -20,10 +20,10 @@ EDGE_SHARE = 0.15
 """How far beyond a measured width a figure's middle may be: of things a part is seen."""
 
 
-OWN_ERROR, VISIT_ERROR = 1.2, 2.5
-"""By how much things seen together, and things never seen together, are further off each other
-than their covariances say: these take looks for independent, but the looks of one visit share the
-error of the robot's place. Between things of one frame that error cancels."""
+VISIT_ERROR = 2.5
+"""By how much things never seen together are further off each other than their covariances say:
+these take looks for independent, but the looks of one visit share the error of the robot's place.
+Between things of one frame that error cancels."""
 LEAST_SEEN = 3.0
 """A thing is at most so many times as wide as what is seen of it."""
 
@@ -162,9 +162,7 @@ def apart_sigma(pairs: Pairs) -> Floats:
     of a wide thing is anywhere on what was seen of it.
     """
     width = np.nan_to_num(np.hypot(pairs.extent_a[:, 0], pairs.extent_b[:, 0]))
-    return np.hypot(
-        pairs.sigma * np.where(pairs.shared, OWN_ERROR, VISIT_ERROR), EDGE_SHARE * width
-    )
+    return np.hypot(pairs.sigma * np.where(pairs.shared, 1.0, VISIT_ERROR), EDGE_SHARE * width)
 
 
 def overlap_whole(pairs: Pairs) -> Floats:

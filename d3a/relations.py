@@ -323,8 +323,10 @@ def _same_place(pairs: Pairs, parameters: Parameters) -> Floats:
     here = np.linalg.norm(pairs.position_a - pairs.position_b, axis=1)
     beside = as_factor(beside_within(pairs, parameters.d_thresh_m))
     spread = apart_sigma(pairs)
-    # of all displacements that may have been measured so, more are longer: there is more room
-    return normal_cdf((parameters.d_thresh_m - np.hypot(here, spread)) / spread) * beside
+    # of all displacements that may have been measured so, more are longer: there is more room;
+    # by half of what even room would give, since things stand in groups
+    longer = np.hypot(here, spread / 2)
+    return normal_cdf((parameters.d_thresh_m - longer) / spread) * beside
 
 
 def _between_alone(pairs: Pairs, parameters: Parameters) -> Floats:

@@ -269,9 +269,9 @@ def test_things_apart_in_one_picture_are_apart_whatever_the_places_say() -> None
 
 def test_things_of_one_frame_share_the_error_of_the_robot_s_place() -> None:
     places = (2.0, 0.4, 0.5), (2.0, 0.0, 0.5)
-    boxes = (0.0, 100.0, 50.0, 150.0), (180.0, 100.0, 230.0, 150.0)
-    shared = pair(*places, *boxes, NAN7, (0.1, 0.1), (0.1, 0.1), sigma=0.15)
-    alone = pair(*places, NAN4, NAN4, NAN7, (0.1, 0.1), (0.1, 0.1), sigma=0.15)
+    boxes = (0.0, 100.0, 50.0, 150.0), (150.0, 100.0, 200.0, 150.0)
+    shared = pair(*places, *boxes, NAN7, (0.1, 0.1), (0.1, 0.1), sigma=0.3)
+    alone = pair(*places, NAN4, NAN4, NAN7, (0.1, 0.1), (0.1, 0.1), sigma=0.3)
     assert holds("same_place", shared) > 0.5
     assert holds("same_place", alone) < 0.5  # never seen together: each has an error of its own
 
