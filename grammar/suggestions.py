@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from grammar.closed import is_open
@@ -48,15 +49,28 @@ def _nouns(words: list[Word], lexicon: Lexicon) -> list[_Mentioned]:
         parts = reader.read(words, i)
         start, i = i, parts[-1][2]
         attributes = [p.said for p, _, _ in parts if isinstance(p, Attribute) and p.kind != "other"]
-        nouns = [(p, a, b) for p, a, b in parts if isinstance(p, Noun) and p.known]
+        nouns = [_without_state(words, n, a, b, lexicon, (*lists["state"], "tomorrow"))
+                 for n, a, b in parts if isinstance(n, Noun)]  # fmt: skip
+        nouns = [(p, a, b) for p, a, b in nouns if p.known]
         if not nouns or nouns[0][0].category == ANYTHING or nouns[0][0].said in unseen:
             continue
         noun, first, last = nouns[0]
         as_said = " ".join(w.text for w in words[first:last])
         lead = words[start - 1].text if start and words[start - 1].text in OWNERS else "the"
         several = as_said != noun.said or lexicon.plurals.get(as_said) == as_said
+        several = several and not as_said.endswith("ss")  # a glass is one
         found.append(_Mentioned(" ".join([lead, *attributes, as_said]), "are" if several else "is"))
     return list(dict.fromkeys(found))
+
+
+def _without_state(
+    words: list[Word], noun: Noun, first: int, last: int, lexicon: Lexicon, states: Sequence[str]
+) -> tuple[Noun, int, int]:
+    """Cut off the state that a noun was asked for: `is the milk cold` is about the milk."""
+    if noun.said in lexicon.nouns or last - first < 2 or words[last - 1].text not in states:
+        return noun, first, last
+    said = lexicon.singular(" ".join(w.text for w in words[first : last - 1]))
+    return Noun(lexicon.canonical(said), said, known=True), first, last - 1
 
 
 _RELATIONS = {"in_front_of": "in front of", "left_of": "left of", "right_of": "right of",

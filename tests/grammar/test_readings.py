@@ -84,3 +84,19 @@ def test_a_material_after_made_of_is_no_noun(text: str, attributes: tuple[str, .
 def test_how_long_ago_is_of_the_last_time(text: str, select: str) -> None:
     query = read(text)
     assert (query.ask, query.select) == ("when", select)
+
+
+@pytest.mark.parametrize(
+    ("text", "offered"),
+    [
+        ("is the milk cold", "Where is the milk?"),
+        ("is the soup cold", "Where is the soup?"),
+        ("where was the cup tomorrow", "Where is the cup?"),
+    ],
+)
+def test_a_state_or_a_future_is_refused_with_what_may_be_asked_of_the_thing(
+    text: str, offered: str
+) -> None:
+    with pytest.raises(QuestionError) as caught:
+        read(text)
+    assert caught.value.suggestions[0] == offered
