@@ -1,10 +1,16 @@
-"""Compute parse tables with Lark: run `python -m grammar.tables` after a change of a grammar."""
+"""Compute parse tables with Lark: run `python -m grammar.tables` after a change of a grammar.
+
+`python -m grammar.tables --terminals "sentence"` prints what the rules see of a sentence instead.
+"""
 
 from __future__ import annotations
 
+import argparse
 import json
 import re
+import sys
 from collections.abc import Iterator
+from datetime import UTC, datetime
 from typing import Any
 
 import lark
@@ -16,8 +22,10 @@ from lark.parsers.grammar_analysis import RulePtr
 from lark.parsers.lalr_analysis import LALR_Analyzer, ParseTable, Shift
 
 from grammar.lalr import END, Rule, Source, Tables
-from grammar.reading import QUESTION
+from grammar.parser import NO_STORE, read
+from grammar.reading import QUESTION, Reading
 from grammar.timespan import TIME
+from grammar.words import Word
 
 SOURCES = (QUESTION, TIME)
 _TERMINAL = re.compile(r"\b_?[A-Z][A-Z0-9_]*\b")
@@ -113,8 +121,27 @@ def write(source: Source) -> None:
     )
 
 
+def terminals(text: str, now: datetime) -> list[str]:
+    """Return a line for each terminal of a text: its name and the words from where it stands.
+
+    now: aware. Raises QuestionError for what is refused before the rules see it.
+    """
+
+    def lines(reading: Reading, sentences: list[list[Word]]) -> list[str]:
+        found = [tag for words in sentences for tag in reading.terminals(words, None).tagged.tags]
+        return [f"{tag.type:12} {text[tag.word.start : tag.word.end]}" for tag in found]
+
+    return read(text, now, NO_STORE, lines)[0]
+
+
 def main() -> None:
-    """Write the tables of every grammar."""
+    """Write the tables of every grammar, or print the terminals of a sentence."""
+    parser = argparse.ArgumentParser(prog="python -m grammar.tables", description=__doc__)
+    parser.add_argument("--terminals", metavar="SENTENCE", help="print them, and write nothing")
+    said = parser.parse_args().terminals
+    if said is not None:
+        sys.stdout.write("\n".join([*terminals(said, datetime.now(UTC)), ""]))
+        return
     for source in SOURCES:
         write(source)
 

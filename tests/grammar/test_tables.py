@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+from datetime import datetime
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +15,7 @@ from lark.exceptions import GrammarError
 from grammar import lalr
 from grammar.lalr import Parser, Source, Tables, Token, UnreadError
 from grammar.reading import QUESTION
-from grammar.tables import SOURCES, computed, write
+from grammar.tables import SOURCES, computed, terminals, write
 from grammar.timespan import TIME
 from grammar.timetransform import TimeForms
 from grammar.transform import Meanings
@@ -149,3 +150,15 @@ def test_tables_are_plain_json() -> None:
     for source in SOURCES:
         record = json.loads(source.path.read_text(encoding="utf-8"))
         assert set(record) == {"made_from", *Tables._fields}
+
+
+def test_the_terminals_of_a_sentence_are_named() -> None:
+    now = datetime.fromisoformat("2020-01-01T18:00:00-05:00")
+    found = [line.split() for line in terminals("where did my keys go", now)]
+    assert found == [
+        ["_WHERE", "where"],
+        ["AUX", "did"],
+        ["OWNER", "my"],
+        ["NOUN", "keys"],
+        ["GO", "go"],
+    ]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections import Counter
+
 import pytest
 
 from grammar.adjectives import describes
@@ -12,6 +14,7 @@ from grammar.vocabulary import (
     StoreWords,
     broader,
     canonical,
+    files,
     lexicon,
     narrower,
     plural,
@@ -174,3 +177,9 @@ def test_an_adjective_is_told_by_its_making(word: str, *, describes_it: bool) ->
 )  # fmt: skip
 def test_words_said_apart_are_one_noun_where_it_is_listed(joined: str, *, listed: bool) -> None:
     assert lexicon().is_one_word(joined) is listed
+
+
+def test_no_noun_stands_in_two_lines() -> None:
+    lines = [line.partition(">")[0] for line in files.lines("nouns.txt")]
+    said = [word for line in lines for word in {*files.split(line.replace("=", ","))}]
+    assert [word for word, count in Counter(said).items() if count > 1] == []
