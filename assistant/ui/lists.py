@@ -157,7 +157,8 @@ class KeyframeList(MarkedList):
     def _lay_out(self, highlighted: int | None) -> None:
         self._width = self.size.width
         if self._now is not None:
-            width = max(self.scrollable_content_region.width - 2, 20)
+            bar = 0 if self.show_vertical_scrollbar else self.styles.scrollbar_size_vertical
+            width = max(self.scrollable_content_region.width - 2 - bar, 20)  # a bar may yet come
             self.set_lines(rows(self._keyframes, self._now, width), highlighted)
 
     def on_option_list_option_highlighted(self, event: OptionList.OptionHighlighted) -> None:

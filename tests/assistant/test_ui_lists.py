@@ -8,8 +8,9 @@ from datetime import UTC, datetime
 import pytest
 
 from assistant.terminal import width_of
-from assistant.ui.lists import rows
+from assistant.ui.lists import KeyframeList, rows
 from d3a.answer import RankedKeyframe
+from tests.worlds.running_chat import chat
 
 NOW = datetime(2026, 11, 20, 20, 0, tzinfo=UTC)
 
@@ -56,3 +57,16 @@ def test_in_a_narrow_list_time_and_place_stay() -> None:
     assert "19:00 today" in first
     assert "living" in first
     assert "3x" not in first
+
+
+@pytest.mark.parametrize("size", [(80, 24), (160, 50)])
+async def test_a_row_takes_one_line_where_the_list_scrolls(size: tuple[int, int]) -> None:
+    long = replace(FIRST, near="coffee table with a very long name")
+    many = [replace(long, rank=rank) for rank in range(1, 61)]
+    async with chat(size=size) as c:
+        await c.ask()
+        shown = c.app.chat.query_one(KeyframeList)
+        shown.show_keyframes(many, NOW)
+        await c.until(lambda: shown.show_vertical_scrollbar)
+        await c.pilot.pause()
+        assert shown.virtual_size.height == len(many)
