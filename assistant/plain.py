@@ -50,6 +50,8 @@ class PlainChat:
             self._list(SHOWN)
         elif command == "why":
             self._why()
+        elif command == "undo":
+            self._reply(command)
         elif command.isascii() and command.isdigit() and not self._offers():
             self._details(int(command))
         elif text:

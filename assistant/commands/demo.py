@@ -53,6 +53,9 @@ def command(
                     for record in tour_records(session):
                         click.echo(json_line(record, ascii_only=ascii_only))
                     return
+                if not tour:
+                    hint = "no terminal: the tour. With --plain it takes questions, a line each."
+                    click.echo(hint, err=True)
                 for line in tour_lines(session):
                     click.echo(clean_lines(line))
                 return

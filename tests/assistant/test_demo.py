@@ -63,6 +63,7 @@ def test_without_a_terminal_it_asks_five_questions_and_leaves(
     assert "handbag" in morning
     assert "never saw an umbrella" in umbrella
     assert "Filling the demo home's memory, once" in first.stderr
+    assert "--plain" in first.stderr  # a pipe's questions are not heard without it
 
 
 def test_the_second_time_nothing_is_filled(

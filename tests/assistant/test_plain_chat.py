@@ -48,6 +48,11 @@ def test_numbers_more_why_and_help_are_about_the_last_answer() -> None:
     assert not any("never reached" in line for line in lines)
 
 
+def test_undo_may_be_said_with_a_slash_as_the_other_commands() -> None:
+    assert said("/undo\n") == said("undo\n")
+    assert said("/undo\n")[0] == "You: undo"
+
+
 def test_a_person_is_greeted_with_questions_to_try() -> None:
     lines = said("", person=True)
     assert lines[0] == "The memory of lab. Type a question, help or quit."
