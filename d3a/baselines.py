@@ -7,6 +7,7 @@ paper's tiers without space, as in its Exp 4, which is a parameter of the paper'
 
 from __future__ import annotations
 
+import heapq
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
@@ -259,13 +260,17 @@ def _cover(moments: Sequence[Moment]) -> list[Moment]:
         for frame, numbers in frames.items()
     }
     shown: set[frozenset[Cell]] = set()
-    waiting, chosen = list(frames), []
+    chosen = []
+    # What a frame adds only shrinks: one whose worth still holds at its turn is the best of all.
+    waiting = [(-len(new), number, frame) for number, (frame, new) in enumerate(pairs.items())]
+    heapq.heapify(waiting)
     while waiting:
-        best = max(waiting, key=lambda frame: len(pairs[frame] - shown))
-        if not pairs[best] - shown:
-            break  # every pair was shown once
-        waiting.remove(best)
-        shown |= pairs[best]
-        chosen.append(frames[best][0])
+        worth, number, frame = heapq.heappop(waiting)
+        adds = len(pairs[frame] - shown)
+        if adds and -adds == worth:
+            shown |= pairs[frame]
+            chosen.append(frames[frame][0])
+        elif adds:
+            heapq.heappush(waiting, (-adds, number, frame))
     rest = sorted(set(range(len(moments))) - set(chosen))
     return [moments[number] for number in [*chosen, *rest]]
