@@ -59,12 +59,12 @@ class RosbridgeFollower:
         self, address: str, patience: Patience, options: Options, on_note: Callable[[str], None]
     ) -> None:
         """Check what was asked for; nothing is connected yet. Raises BadInput without roslibpy."""
-        if importlib.util.find_spec("roslibpy") is None:
-            raise BadInput("a live robot needs roslibpy: pip install 'd3a[ros]'")
         self._address = address
         self._patience = patience
         self._note = on_note
         self._topics = _topics_of(options)
+        if importlib.util.find_spec("roslibpy") is None:
+            raise BadInput("a live robot needs roslibpy: pip install 'd3a[ros]'")
         self._map_frame = options.text("map-frame")
         self._inbox: queue.Queue[tuple[str, Json]] = queue.Queue(MESSAGES_MOST)
         self._lost_at: float | None = None

@@ -112,7 +112,8 @@ def test_rows_give_up_columns_from_the_right() -> None:
     wide = rows(keyframes, small_home.NOW, 78)
     assert wide[0] == " 1  9:42 today  kitchen, by the table  fairly sure  seen 14 times"
     assert rows(keyframes, small_home.NOW, 60)[0].endswith("fairly sure  14x")
-    assert rows(keyframes, small_home.NOW, 44)[0] == " 1  9:42 today  kitchen, by the table"
+    assert rows(keyframes, small_home.NOW, 44)[0] == " 1  9:42 today  kitchen, table  fairly sure"
+    assert rows(keyframes, small_home.NOW, 30)[0] == " 1  9:42 today  kitchen, table"
     assert all(width_of(line) <= 20 for line in rows(keyframes, small_home.NOW, 20))
 
 
