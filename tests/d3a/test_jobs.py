@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import importlib
 import importlib.util
 import json
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -141,16 +143,17 @@ def test_no_more_is_read_than_two_waves_ahead() -> None:
 def test_dask_fills_the_same_store(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     if importlib.util.find_spec("distributed") is None:
         pytest.skip("distributed is not installed (the extra dask)")
-    import distributed
+    dask: Any = importlib.import_module("dask")
+    distributed: Any = importlib.import_module("distributed")
 
     _, wanted = taken(open_source(folder), Jobs())
-    with distributed.LocalCluster(  # type: ignore[no-untyped-call]
-        n_workers=2, threads_per_worker=1, processes=False, dashboard_address=None
-    ) as cluster:
-        import dask
-
-        with dask.config.set({"scheduler-address": cluster.scheduler_address}):
-            _, found = taken(open_source(folder), Jobs(2, "dask"))
+    with (
+        distributed.LocalCluster(
+            n_workers=2, threads_per_worker=1, processes=False, dashboard_address=None
+        ) as cluster,
+        dask.config.set({"scheduler-address": cluster.scheduler_address}),
+    ):
+        _, found = taken(open_source(folder), Jobs(2, "dask"))
     assert found == wanted
 
 
