@@ -12,7 +12,7 @@ from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 from assistant.forgotten_words import but_forgotten
 from assistant.lexicon import VocabularyLexicon
 from assistant.reply import sentence
-from assistant.spots import on_a_spot
+from assistant.spots import of_the_spot, on_a_spot, told_as_place, without_itself
 from assistant.tense import as_of_now
 from d3a.answer import Answer, Status
 from d3a.conclude import within
@@ -195,6 +195,7 @@ def ask_query(
     try:
         parameters = facts.parameters()
         query = on_a_spot(query, facts)
+        spot = of_the_spot(query, facts)
         meant = as_of_now(query)
         answer = execute(
             plan(meant, parameters=parameters, precision=rung),
@@ -207,10 +208,12 @@ def ask_query(
         )
     except StoreError as error:
         return replace(failure(query.text, error), query=query)
-    said = sentence(answer, now=now)
+    answer = without_itself(answer, query)
+    said = " ".join(part for part in (sentence(answer, now=now), spot) if part)
     if facts.meta(FORGOTTEN):
         said = but_forgotten(said, answer)
-    answer = within(replace(answer, query=query, answer=said), limit)
+    answer = told_as_place(replace(answer, query=query, answer=said), query, facts)
+    answer = within(answer, limit)
     return replace(answer, elapsed_ms=answer.elapsed_ms | {"total": _ms_since(started)})
 
 

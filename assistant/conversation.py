@@ -36,7 +36,7 @@ from d3a.answer import Answer, RankedKeyframe, Status, is_by_look
 from d3a.store.base import Store, StoreError
 from grammar.errors import QuestionError
 from grammar.forms import FormalQuery
-from grammar.notation import looks_formal, write
+from grammar.notation import looks_formal, read, write
 
 if TYPE_CHECKING:
     from assistant.remembering import Learned
@@ -111,10 +111,10 @@ class Conversation:
     def _question(self, text: str) -> Answer:
         before = self._said
         self._said = replace(before, text=text)
-        answer = self._answer(text)
-        if answer.query is None or answer.status not in ("found", "not_found"):
+        answer, spoken = self._answer(text)
+        if spoken is None or answer.status not in ("found", "not_found"):
             return answer
-        heard = replace(answer.query, corrections=())  # told once, not with each answer again
+        heard = replace(spoken, corrections=())  # told once, not with each answer again
         same = is_about_the_same(heard, before.last, text)
         refused = before.refused if same else ()
         meant = before.meant if same else None
@@ -123,25 +123,26 @@ class Conversation:
         self.pointer.to(told(answer))
         return answer
 
-    def _answer(self, text: str) -> Answer:
+    def _answer(self, text: str) -> tuple[Answer, FormalQuery | None]:
+        """Return the answer and the query as it was spoken: the answer's own has places in it."""
         started, now = perf_counter(), self._now()
-        if looks_formal(text):
-            return ask(self._store, text, now=now)
         try:
-            words = store_words(self._store)
-            query = follow(
-                text, now=now, words=words, last=self._said.last, seen=_seen(self.pointer.row)
-            )
+            if looks_formal(text):
+                query = read(text, now=now)
+            else:
+                words, seen = store_words(self._store), _seen(self.pointer.row)
+                query = follow(text, now=now, words=words, last=self._said.last, seen=seen)
         except QuestionError as error:
-            return refusal(error)
+            return refusal(error), None
         except StoreError as error:
-            return replace(failure(text, error), suggestions=(text,))
+            return replace(failure(text, error), suggestions=(text,)), None
         parse_ms = (perf_counter() - started) * 1000
         answer = ask_query(self._store, query, now=now)
         if answer.status == "error":
             answer = replace(answer, suggestions=(text,))
         elapsed = {"parse": parse_ms} | answer.elapsed_ms
-        return replace(answer, elapsed_ms=elapsed | {"total": (perf_counter() - started) * 1000})
+        elapsed |= {"total": (perf_counter() - started) * 1000}
+        return replace(answer, elapsed_ms=elapsed), query
 
     def _as_meant(
         self, answer: Answer, refused: tuple[RankedKeyframe, ...], meant: str | None

@@ -19,7 +19,8 @@ from d3a.colours import is_colour
 from d3a.rank import LEAST_OF_BEST
 from grammar import vocabulary
 from grammar.forms import ANYTHING, FormalQuery, ObjectTerm
-from grammar.nountags import KIN
+from grammar.nountags import KIN, ON_PLACES
+from grammar.phrases import BARE_PLACES
 
 _RELATIONS = {
     "together": "with",
@@ -30,6 +31,7 @@ _RELATIONS = {
     "same_place": "in the same place as",
 }
 _ALL = frozenset({"everybody", "everyone"})
+_ROOMY = ("room", " area", " corner", " wing", " zone", " floor")
 _SCORE_OF_WORD = 0.86
 """Below this the word was a wider or narrower one: the answer says what was found instead."""
 
@@ -133,20 +135,59 @@ def numbered(
 
 def condition_words(answer: Answer, query: FormalQuery) -> str:
     """Return relation and place of the question, as far as they were judged: " on the table"."""
-    words = ""
-    if query.relation is not None and len(query.objects) > 1:
-        kind = _RELATIONS.get(query.relation.kind, query.relation.kind)
-        grounds = query.objects[1:]
-        told = [definite(term, numbered(query, term, answer.unjudged)) for term in grounds]
-        said = listed(told)
-        plain = f"the {described(grounds[-1])}"
-        if not any(condition.endswith(plain) for condition in answer.unjudged):
-            absent = query.negated and query.ask != "whether"
-            words += f" {'not ' if absent else ''}{kind} {said}"
-    if query.place is not None and f"in the {query.place}" not in answer.unjudged:
-        absent = query.negated and query.relation is None and query.ask != "whether"
-        words += f" {'not ' if absent else ''}in the {query.place}"
-    return words
+    related = _related_words(answer, query)
+    grounds = {term.word for term in query.objects[1:]} if related else set()
+    if query.place is None or plain_place(query.place) in grounds:
+        return related  # under the desk: at which desk goes without saying
+    if f"in the {query.place}" in answer.unjudged:
+        return related
+    absent = query.negated and query.relation is None and query.ask != "whether"
+    return f"{related} {'not ' if absent else ''}{at_place(query.place)}"
+
+
+def _related_words(answer: Answer, query: FormalQuery) -> str:
+    if query.relation is None or len(query.objects) < 2:
+        return ""
+    grounds = query.objects[1:]
+    plain = f"the {described(grounds[-1])}"
+    if any(condition.endswith(plain) for condition in answer.unjudged):
+        return ""
+    kind = _RELATIONS.get(query.relation.kind, query.relation.kind)
+    told = [definite(term, numbered(query, term, answer.unjudged)) for term in grounds]
+    absent = query.negated and query.ask != "whether"
+    return f" {'not ' if absent else ''}{kind} {listed(told)}"
+
+
+def plain_place(name: str) -> str:
+    """Return the name of a place in small letters, without "my" before it."""
+    return name.casefold().removeprefix("my ").removeprefix("our ").removeprefix("the ")
+
+
+def is_room(name: str) -> bool:
+    """Whether a place is one to be in, by its name: the kitchen, Anna's room, the play area."""
+    said = plain_place(name)
+    rooms = vocabulary.lexicon().places
+    return said in rooms or said.rpartition(" ")[2] in rooms or said.endswith(_ROOMY)
+
+
+def the_place(name: str) -> str:
+    """Return a place as it is told: the kitchen, Anna's bedroom, upstairs."""
+    said = name.removeprefix("my ").removeprefix("our ").removeprefix("the ")
+    if said in BARE_PLACES:
+        return said
+    owned = said.partition(" ")[0].endswith(("'s", "s'"))
+    mine = "your" if said != name and not name.startswith("the ") else "the"
+    return sentence_case(said) if owned else f"{mine} {said}"
+
+
+def at_place(name: str) -> str:
+    """Return a place with its preposition: in the kitchen, at the desk, on the balcony."""
+    said = plain_place(name)
+    if said in BARE_PLACES:
+        return said
+    if said in ON_PLACES:
+        return f"on {the_place(name)}"
+    return f"{'in' if is_room(name) else 'at'} {the_place(name)}"
 
 
 def where_words(keyframe: RankedKeyframe, query: FormalQuery) -> str:
@@ -156,9 +197,10 @@ def where_words(keyframe: RankedKeyframe, query: FormalQuery) -> str:
     thing that has one, with its distance.
     """
     parts = []
-    if keyframe.place and keyframe.place != query.place:
-        parts.append(f"in the {keyframe.place}")
-    if keyframe.near and not _is_named(keyframe.near, query):
+    own = plain_place(keyframe.place or "") == kind_of(keyframe)  # the desk is not at the desk
+    if keyframe.place and keyframe.place != query.place and not own:
+        parts.append(at_place(keyframe.place))
+    if keyframe.near and keyframe.near != keyframe.place and not _is_named(keyframe.near, query):
         parts.append(f"next to the {keyframe.near}")
     if not keyframe.place and not keyframe.near and keyframe.beyond is not None:
         landmark, metres = keyframe.beyond

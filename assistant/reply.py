@@ -24,6 +24,7 @@ from assistant.english import (
     when,
 )
 from assistant.phrases import (
+    at_place,
     condition_words,
     definite,
     described,
@@ -370,7 +371,9 @@ def _others(number: int, many: bool) -> str:
 
 def _unjudged(answer: Answer) -> str:
     """Return what this memory cannot tell of the question."""
-    return f"I cannot tell what is {listed([f'“{words}”' for words in answer.unjudged])} here."
+    place = answer.query.place if answer.query is not None else None
+    told = [at_place(place) if place and w == f"in the {place}" else w for w in answer.unjudged]
+    return f"I cannot tell what is {listed([f'“{words}”' for words in told])} here."
 
 
 _ASKED: dict[Ask, Callable[[Answer, FormalQuery, datetime], str]] = {

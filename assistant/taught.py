@@ -235,7 +235,7 @@ def _place(said: str) -> Teaching | None:
 
 def _placed(name: str, *, here: bool = False) -> PlaceNaming | None:
     anew = name.startswith("anew ")
-    plain = name.removeprefix("anew ").removeprefix("the ").strip(" '\"")
+    plain = re.sub(r"^(?:anew )?(?:the |my |our )?", "", name).strip(" '\"")
     return PlaceNaming(plain, here, anew) if _is_name(plain) else None
 
 

@@ -46,7 +46,7 @@ def place_words(keyframe: RankedKeyframe, *, brief: bool = False) -> str:
     parts = []
     if keyframe.place:
         parts.append(keyframe.place)
-    if keyframe.near:
+    if keyframe.near and keyframe.near != keyframe.place:
         parts.append(keyframe.near if brief and parts else f"by the {keyframe.near}")
     if not parts and keyframe.position is not None:
         x, y, _ = keyframe.position

@@ -17,7 +17,8 @@ KIN = words_of(
 """People by their kinship: what they do is no business of a memory of things."""
 _MEASURES = words_of("piece pair set bunch pack stack pile roll kind type sort group collection")
 _PLACE_WORDS = words_of("in at inside from within into to around of throughout across on")
-_ON_PLACES = frozenset(("balcony", "terrace", "porch", "upstairs", "downstairs"))
+ON_PLACES = frozenset(("balcony", "terrace", "porch", "upstairs", "downstairs"))
+"""What one is on, not in."""
 PEOPLE = KIN | words_of("kid child guest visitor boy girl man woman baby person dog cat")
 
 
@@ -63,7 +64,7 @@ class NounTagger(ClauseTagger):
         if self._text(k).endswith("'s") and k > self.i + 1:
             return False
         place, end = self._place_at(k)
-        if not place or (preposition == "on" and place not in _ON_PLACES):
+        if not place or (preposition == "on" and place not in ON_PLACES):
             return False
         self._emit("AT_PLACE", place, end - self.i)
         return True

@@ -208,10 +208,81 @@ def test_what_lies_on_a_place_of_that_name_lies_there(store: Store, text: str) -
     assert explain(store, text, now=NOW).answer.unjudged == ()
 
 
-def test_a_thing_goes_before_a_place_of_its_name(store: Store) -> None:
+def with_a_desk(*rooms: str) -> Store:
+    """A cup at the desk, a bowl far from it; rooms lie around the desk."""
     home = Home(classes=("cup", "bowl", "desk"))
-    home.room("desk", 0, 0, 3, 3)
-    answer = ask(home.into(store), "what is on the desk?", now=NOW)
+    home.thing("cup", "cup")
+    home.seen("cup", 0, 10, at=(1, 1, 1))
+    home.thing("bowl", "bowl")
+    home.seen("bowl", 0, 10, at=(9, 1, 1))
+    home.thing("desk", "desk")
+    home.seen("desk", 0, 10, at=(1.2, 1, 0.5))
+    for room in rooms:
+        home.room(room, 0, 0, 3, 3)
+    return home.into(OracleStore())
+
+
+@pytest.mark.parametrize("condition", ["on the", "near the", "in the", "at my", "by the"])
+def test_a_place_goes_before_the_things_of_its_name_and_is_told(condition: str) -> None:
+    answer = ask(with_a_desk("desk"), f"what is {condition} desk?", now=NOW)
+    assert answer.query is not None
+    assert (answer.query.place, answer.query.relation) == ("desk", None)
+    assert [each.object_id for each in answer.keyframes] == ["cup"]
+    assert "a cup at the desk" in answer.answer
+    assert answer.answer.endswith("By “the desk” I mean the place that you call so.")
+    assert answer.count == 1
+
+
+def test_what_is_under_a_place_of_that_name_is_under_its_thing() -> None:
+    answer = ask(with_a_desk("desk"), "what was under the desk?", now=NOW)
     assert answer.query is not None
     assert answer.query.relation is not None
-    assert answer.query.place is None
+    assert (answer.query.place, answer.query.relation.kind) == ("desk", "under")
+
+
+def test_whose_desk_it_is_tells_the_place() -> None:
+    both = with_a_desk("Anna's desk")
+    hers = ask(both, "what is on Anna's desk?", now=NOW)
+    assert hers.query is not None
+    assert hers.query.place == "Anna's desk"
+    assert "at Anna's desk" in hers.answer
+    mine = ask(both, "what is on the desk?", now=NOW)
+    assert mine.query is not None
+    assert mine.query.place is None
+
+
+def test_another_word_for_a_place_is_the_place() -> None:
+    home = Home(classes=("cup",))
+    home.thing("cup", "cup")
+    home.seen("cup", 0, 10, at=(1, 1, 1))
+    home.room("sofa", 0, 0, 3, 3)
+    answer = ask(home.into(OracleStore()), "what is on the couch?", now=NOW)
+    assert "a cup at the sofa" in answer.answer
+    assert "call so" not in answer.answer
+
+
+def test_near_a_room_is_not_in_it() -> None:
+    answer = ask(with_a_desk("kitchen"), "what is near the kitchen?", now=NOW)
+    assert answer.unjudged == ("near the kitchen",)
+
+
+def test_where_a_place_is_asked_for_the_place_is_told() -> None:
+    store = with_a_desk("workshop", "bench")
+    answer = ask(store, "where is the bench?", now=NOW)
+    assert answer.status == "unknown_object"
+    told = "The bench is a place that I know, in the workshop. Ask what is there."
+    assert answer.answer == told
+    assert answer.suggestions == ("What is at the bench?",)
+
+
+def test_a_place_that_is_no_more_is_the_things_of_its_name() -> None:
+    at_the_desk = FormalQuery(
+        "what is at the desk?", "Q3", "what", (ObjectTerm("object", "thing"),), place="desk"
+    )
+    answer = ask_query(with_a_desk(), at_the_desk, now=NOW)
+    assert answer.query is not None
+    assert (answer.query.place, answer.query.relation and answer.query.relation.kind) == (
+        None,
+        "near",
+    )
+    assert answer.keyframes[0].object_id == "cup"

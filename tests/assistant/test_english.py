@@ -8,6 +8,7 @@ from zoneinfo import ZoneInfo
 import pytest
 
 from assistant.english import ago, article, counted, duration, listed, slice_words, times, when
+from assistant.phrases import at_place
 from grammar.forms import TimeSlice
 
 ZONE = ZoneInfo("America/New_York")
@@ -136,3 +137,22 @@ def test_slices_are_echoed_as_taken(
     start: datetime | None, end: datetime | None, said: str
 ) -> None:
     assert slice_words(TimeSlice(start, end), NOW) == said
+
+
+@pytest.mark.parametrize(
+    ("name", "told"),
+    [
+        ("kitchen", "in the kitchen"),
+        ("anna's bedroom", "in Anna's bedroom"),
+        ("charging corner", "in the charging corner"),
+        ("lounge", "in the lounge"),
+        ("desk", "at the desk"),
+        ("my desk", "at your desk"),
+        ("the desk", "at the desk"),
+        ("Anna's desk", "at Anna's desk"),
+        ("balcony", "on the balcony"),
+        ("upstairs", "upstairs"),
+    ],
+)
+def test_a_place_has_its_preposition(name: str, told: str) -> None:
+    assert at_place(name) == told
