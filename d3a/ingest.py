@@ -55,9 +55,11 @@ class IngestSummary:
     """What an ingest did.
 
     frames, detections: taken in by this run. objects, places: in the store now. seconds: by stage
-    (decode, detect, embed, tiers, store), of all processes together. elapsed_s: from begin to end,
-    with the reading of the recording. already: the store had all of it. already_frames: how
-    many frames it had before. forgotten: intervals that the store's retention took afterwards.
+    (decode, detect, embed, tiers, store), of all processes together. processor: the same of this
+    process's processor time, which other work on the machine does not lengthen. elapsed_s: from
+    begin to end, with the reading of the recording. already: the store had all of it.
+    already_frames: how many frames it had before. forgotten: intervals that the store's retention
+    took afterwards.
     """
 
     frames: int
@@ -66,6 +68,7 @@ class IngestSummary:
     places: int
     skipped: Skipped
     seconds: dict[str, float] = field(default_factory=dict)
+    processor: dict[str, float] = field(default_factory=dict)
     elapsed_s: float = 0.0
     already: bool = False
     already_frames: int = 0
@@ -308,6 +311,7 @@ class _Run:
             places=int(counts["stays"]),
             skipped=skipped,
             seconds=dict(self._stopwatch.seconds),
+            processor=dict(self._stopwatch.processor),
             elapsed_s=perf_counter() - self._began,
             already=self._frames == 0 and had_frames > 0,
             already_frames=had_frames,

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import click
 
 if TYPE_CHECKING:
+    from assistant.evaluation.running import Evaluation
     from assistant.evaluation.worlds import Progress, World
 
 
@@ -73,6 +74,7 @@ def simulate_command(
     type=click.Path(file_okay=False, path_type=Path),
     help="Keep the simulated recordings there, for another run.",
 )
+@click.option("--json", "as_json", is_flag=True, help="One JSON object, as in results.json.")
 @click.option("--quiet", is_flag=True, help="No progress.")
 def evaluate_command(
     which: tuple[str, ...],
@@ -83,10 +85,13 @@ def evaluate_command(
     queries: int,
     report_dir: Path | None,
     keep: Path | None,
+    as_json: bool,
     quiet: bool,
 ) -> None:
     """Run the paper's experiments (all by default) and print their tables beside the paper's."""
-    from assistant.evaluation import running, tables
+    from assistant.evaluation import running
+    from assistant.exits import ExitCode
+    from assistant.told import emit, refusal
     from d3a.model import D3AError
 
     names = running.EXPERIMENTS if not which or "all" in which else which
@@ -103,16 +108,25 @@ def evaluate_command(
                 work=keep,
             )
     except (D3AError, OSError) as error:
-        raise click.ClickException(str(error)) from error
+        raise refusal(str(error), ExitCode.USAGE, (), as_json) from error
     if "exp1" in names and not found.exp1:
         click.echo("exp1 needs a simulated world: its codes are drawn from a seed", err=True)
+    if as_json:
+        emit(found.to_json())
+    else:
+        _print(found)
+    if report_dir is not None:
+        click.echo(f"report: {report_dir / running.REPORT}", err=True)
+
+
+def _print(found: Evaluation) -> None:
+    from assistant.evaluation.tables import as_text
+
     for table in found.tables():
-        click.echo(tables.as_text(table))
+        click.echo(as_text(table))
         for note in table.notes:
             click.echo(f"  {note}")
         click.echo()
-    if report_dir is not None:
-        click.echo(f"report: {report_dir / running.REPORT}", err=True)
 
 
 def _worlds(folders: tuple[Path, ...], seeds: str, hours: float) -> tuple[World, ...]:

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
-from time import perf_counter
+from time import perf_counter, process_time
 from typing import Literal
 
 from assistant.evaluation.questions import taught_name
@@ -65,7 +65,8 @@ class Filled:
     """A filled store with what is known of the filling.
 
     assignments: by row of detections.jsonl, None where left out. seconds: wall time of the
-    ingest, reading included; associate_s: of the association alone, without reading and storing.
+    ingest, reading included; associate_s: processor time of the association alone, without
+    reading and storing; a naive ingest has no association, and its whole time is told.
     """
 
     method: Method
@@ -96,18 +97,18 @@ def filled(method: Method, recording: Recorded, folder: Path) -> Iterator[Filled
 
 def _fill(method: Method, recording: Path, store: Store, path: Path, rows: int) -> Filled:
     reader = RecordingReader(recording)
-    before = perf_counter()
+    before, spent = perf_counter(), process_time()
     if method.kind == "tiers":
         record = path.with_suffix(".assignments.jsonl")
         summary = ingest(reader, store, method.parameters, assignments=record)
         seconds = perf_counter() - before
         kept = read_assignments(record, rows)
         detections = summary.detections
-        associate = summary.seconds.get("tiers", seconds)
+        associate = summary.processor["tiers"]
     else:
         together = method.kind == "naive+"
         naive = fill_naive(reader, store, together=together, parameters=method.parameters)
-        seconds = associate = perf_counter() - before
+        seconds, associate = perf_counter() - before, process_time() - spent
         kept = tuple(naive.assignments.get(row) for row in range(rows))
         detections = naive.detections
     return Filled(method, store, path, kept, detections, seconds, associate)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib.util
 import json
+import math
 import tempfile
 from collections.abc import Sequence
 from contextlib import ExitStack
@@ -11,12 +12,15 @@ from dataclasses import dataclass, fields, is_dataclass
 from pathlib import Path
 from typing import Any, Literal
 
-from assistant.evaluation import exp1, exp2, exp3, exp4, report, tables
+import numpy as np
+
+from assistant.evaluation import exp1, exp2, exp3, exp4, paper, report, tables
 from assistant.evaluation.judging import Reading
 from assistant.evaluation.methods import METHODS
 from assistant.evaluation.questions import POSITIVES
 from assistant.evaluation.tables import Table
 from assistant.evaluation.worlds import DEVELOPMENT, Progress, Steps, World, worlds_of
+from d3a.answer import SCHEMA
 from d3a.model import BadInput, Json
 from d3a.parameters import Parameters
 
@@ -47,9 +51,19 @@ class Evaluation:
         return [table for table, _ in self._sections(plots=False)]
 
     def to_json(self) -> Json:
-        """Return every figure: the worlds, and per experiment a list of records."""
-        record: Json = {"reading": self.reading, "worlds": [w.title for w in self.worlds]}
-        return record | {name: _plain(getattr(self, name)) for name in ("exp1", "exp2", "exp3")}
+        """Return every figure: the worlds, the tables, and per experiment a list of records.
+
+        The tables are as people see them, text with the paper's figure beside ours; the records
+        are numbers, one of each method and world. What is not known is null.
+        """
+        record: Json = {
+            "schema": SCHEMA,
+            "reading": self.reading,
+            "worlds": [world.title for world in self.worlds],
+            "tables": _plain(self.tables()),
+            "contradictions": list(paper.contradictions()),
+        }
+        return record | {name: _plain(getattr(self, name)) for name in EXPERIMENTS}
 
     def html(self) -> str:
         """Return the report, one self-contained page. Needs matplotlib."""
@@ -156,6 +170,10 @@ def _plain(value: Any) -> Any:
         return {str(key): _plain(each) for key, each in value.items()}
     if isinstance(value, list | tuple):
         return [_plain(each) for each in value]
+    if isinstance(value, np.ndarray):
+        return _plain(value.tolist())
     if isinstance(value, Path):
         return value.name
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
     return value

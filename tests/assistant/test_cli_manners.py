@@ -17,8 +17,8 @@ from d3a.store import open_store
 from tests.worlds import small_home
 
 ROOT = Path(__file__).parents[2]
-WITHOUT_JSON = {"chat", "completion", "evaluate"}
-"""A conversation, a shell's program, and tables (its records go to --report)."""
+WITHOUT_JSON = {"chat", "completion"}
+"""A conversation, and a shell's program."""
 OF_ANOTHER_CONTRACT = {"parse"}
 """The formal query has no number: its contract does not name one."""
 
@@ -72,6 +72,8 @@ WRITTEN = (
     ("forget bowl --yes --json", 0),
     ("demo --tour --json", 0),
     ("simulate simulated --hours 0.05", 0),
+    ("evaluate exp4 --world simulated --json --quiet", 0),
+    ("evaluate exp4 --world . --json --quiet", 2),
     ("ingest simulated --json --store new.db", 0),
     ("watch simulated --json --until-idle 0.2 --store watched.db", 0),
 )

@@ -275,6 +275,28 @@ def test_evaluate_command_prints_tables(source: Recorded) -> None:
     assert "Non-spatial" in done.stdout
 
 
+def test_evaluate_command_prints_its_figures_as_one_json_object(
+    source: Recorded, tmp_path: Path
+) -> None:
+    pytest.importorskip("matplotlib")
+    out = tmp_path / "out"
+    arguments = ["exp4", "exp2", "--queries", "1", "--world", str(source.folder)]
+    options = ["--quiet", "--json", "--report", str(out)]
+    done = CliRunner().invoke(evaluate_command, [*arguments, *options])
+    assert done.exit_code == 0, done.output
+    (line,) = done.stdout.splitlines()
+    record = json.loads(line, parse_constant=pytest.fail)  # NaN and Infinity are no JSON
+    assert record == json.loads((out / running.RESULTS).read_text(encoding="utf-8"))
+    assert (record["schema"], record["reading"]) == (1, "strict")
+    assert record["worlds"] == [source.folder.name]
+    assert {o["method"]["key"] for o in record["exp2"]} >= {"naive", "d3a+d", "default"}
+    assert record["exp1"] == record["exp3"] == []
+    first = record["exp4"][0]
+    assert len(first["cluster"]) == len(first["position"]) == len(first["owner"])
+    for table in record["tables"]:
+        assert all(len(row) == len(table["head"]) for row in table["rows"])
+
+
 def test_evaluate_command_says_what_a_given_recording_cannot_do(source: Recorded) -> None:
     arguments = ["exp1", "--world", str(source.folder), "--quiet"]
     done = CliRunner().invoke(evaluate_command, arguments)
@@ -284,5 +306,5 @@ def test_evaluate_command_says_what_a_given_recording_cannot_do(source: Recorded
 
 def test_evaluate_command_names_what_is_missing(tmp_path: Path) -> None:
     done = CliRunner().invoke(evaluate_command, ["exp4", "--world", str(tmp_path), "--quiet"])
-    assert done.exit_code == 1
+    assert done.exit_code == 2
     assert "recording.json" in done.output
