@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,15 +16,17 @@ from d3a.colours import (
     BASIC,
     LEAST_ODDS,
     Palette,
+    Pixels,
     carries_histogram,
     histograms,
     is_colour,
-    judge,
+    judge_pixels,
     words_of,
 )
 from d3a.match import Candidate, Lexicon
 from d3a.pairs import normal_cdf
 from d3a.plan import JudgeAttributes
+from d3a.store.base import ObjectRecord
 
 UNKNOWN = 0.5
 """The chance of an attribute for an object without a picture, where others have one."""
@@ -51,6 +52,40 @@ _SIZES: dict[str, tuple[str, float]] = {
 
 
 @dataclass(frozen=True, slots=True)
+class Looks:
+    """The colours of some objects, read once for every colour word that is asked of them.
+
+    rows (m,): which of the objects have a histogram; pixels, views (m,): of these.
+    """
+
+    rows: NDArray[np.intp]
+    pixels: Pixels
+    views: NDArray[np.float64]
+
+    @classmethod
+    def of(cls, records: Sequence[ObjectRecord], palette: Callable[[], Palette]) -> Looks | None:
+        """Read the histograms of objects, None where there are none.
+
+        palette: read only where there are, it costs a query.
+        """
+        carried = [
+            (row, record.embedding)
+            for row, record in enumerate(records)
+            if record.embedding is not None
+            and carries_histogram(record.embedding_model, len(record.embedding))
+        ]
+        if not carried:
+            return None
+        matrix = histograms(np.stack([embedding for _, embedding in carried]))
+        held = matrix.any(axis=1)
+        if not held.any():
+            return None
+        rows = np.array([row for row, _ in carried], dtype=np.intp)[held]
+        views = np.array([records[row].weight for row in rows.tolist()], dtype=np.float64)
+        return cls(rows, Pixels.of(matrix[held], palette()), views)
+
+
+@dataclass(frozen=True, slots=True)
 class Judged:
     """Who keeps the attributes, by object id, and which words nobody could judge.
 
@@ -65,19 +100,19 @@ class Judged:
 def judged(
     step: JudgeAttributes,
     found: Sequence[Candidate],
-    palette: Callable[[], Palette],
+    looks_of: Callable[[Sequence[ObjectRecord]], Looks | None],
     lexicon: Lexicon,
 ) -> Judged:
     """Score the attributes of a step on the objects found; order and match stay.
 
-    palette: read only where a colour is asked, it costs a query.
+    looks_of: reads the colours of objects; asked only where a colour is.
     """
     wanted, parts = without_parts(merged_shades(step.attributes), lexicon)
     colours = [word for word in wanted if is_colour(word)]
     scores: list[tuple[str, NDArray[np.float64], NDArray[np.bool_]]] = []
     unjudged: list[str] = list(parts)
     if colours:
-        result = _colour(colours, found, palette)
+        result = _colour(colours, found, looks_of)
         if result is None:
             unjudged += colours
         else:
@@ -87,7 +122,7 @@ def judged(
         if word not in colours:
             _add(scores, unjudged, word, _size(word, found))
     for word in merged_shades(step.without):
-        single = _colour([word], found, palette) if is_colour(word) else _size(word, found)
+        single = _colour([word], found, looks_of) if is_colour(word) else _size(word, found)
         opposite = None
         if single is not None:
             chance = 1 - single[0]
@@ -152,28 +187,20 @@ def _add(
 
 
 def _colour(
-    colours: Sequence[str], found: Sequence[Candidate], palette: Callable[[], Palette]
+    colours: Sequence[str],
+    found: Sequence[Candidate],
+    looks_of: Callable[[Sequence[ObjectRecord]], Looks | None],
 ) -> tuple[NDArray[np.float64], NDArray[np.bool_]] | None:
     """Return probability and tenability (n,), None where no object has a histogram."""
-    rows = [i for i, c in enumerate(found) if _has_histogram(c)]
-    if not rows:
+    looks = looks_of([candidate.record for candidate in found])
+    if looks is None:
         return None
-    looks = np.stack([cast("NDArray[np.float32]", found[i].record.embedding) for i in rows])
-    matrix = histograms(looks)
-    views = np.array([found[i].record.weight for i in rows], dtype=np.float64)
-    verdict = judge(colours, matrix, palette(), views)
+    verdict = judge_pixels(colours, looks.pixels, looks.views)
     probability = np.full(len(found), UNKNOWN)
     tenable = np.ones(len(found), dtype=np.bool_)
-    probability[rows] = verdict.probability
-    tenable[rows] = verdict.tenable
+    probability[looks.rows] = verdict.probability
+    tenable[looks.rows] = verdict.tenable
     return probability, tenable
-
-
-def _has_histogram(candidate: Candidate) -> bool:
-    model, embedding = candidate.record.embedding_model, candidate.record.embedding
-    if embedding is None or not carries_histogram(model, len(embedding)):
-        return False
-    return bool(histograms(embedding[None]).any())
 
 
 def _size(
@@ -214,12 +241,19 @@ def _kept(
     scores: Sequence[tuple[str, NDArray[np.float64], NDArray[np.bool_]]],
     least_once: float = LEAST_ONCE,
 ) -> dict[str, Candidate]:
+    """Return who holds all of it, by object id; least_once: see LEAST_ONCE."""
+    held = np.ones(len(found), dtype=np.bool_)
+    least = np.ones(len(found))
+    for _, p, tenable in scores:
+        held &= tenable
+        least = np.minimum(least, p)
+    told = [(word, np.clip(p, 0.0, 1.0).tolist()) for word, p, _ in scores]
     kept: dict[str, Candidate] = {}
-    for i, candidate in enumerate(found):
-        least = least_once if candidate.record.tentative else 0.0
-        if all(tenable[i] and p[i] >= least for _, p, tenable in scores):
-            told = {word: float(np.clip(p[i], 0.0, 1.0)) for word, p, _ in scores}
+    for i in np.flatnonzero(held).tolist():  # of thousands most are refused
+        candidate = found[i]
+        if not candidate.record.tentative or least[i] >= least_once:
             kept[candidate.record.object_id] = replace(
-                candidate, attributes={**candidate.attributes, **told}
+                candidate,
+                attributes={**candidate.attributes, **{word: p[i] for word, p in told}},
             )
     return kept

@@ -26,7 +26,7 @@ from d3a.joined import (
 )
 from d3a.joins import SYMMETRIC, Related, relate
 from d3a.lookalikes import later_names
-from d3a.match import Candidate, Lexicon, candidates, in_room, rungs
+from d3a.match import Candidate, Lexicon, in_room, rungs
 from d3a.moments import Found
 from d3a.parameters import Parameters
 from d3a.places import last_look, probability_inside
@@ -186,7 +186,7 @@ def _candidates(run: Run, step: FindObjects, *, looks: bool) -> tuple[list[Candi
         taught = run.named(step)
         ids = {record.object_id for record in records}
         records = [*records, *(record for record in taught if record.object_id not in ids)]
-    found = candidates(step, records, worth, confusion=run.parameters.confusion)
+    found = run.facts.candidates(step, records, worth, run.parameters.confusion)
     return found, known or bool(found)
 
 
@@ -216,7 +216,7 @@ def _judge(run: Run, step: JudgeAttributes) -> None:
     table = run.found[step.var]
     if not table.candidates:
         return
-    verdict = judged(step, list(table.candidates.values()), run.facts.palette, run.lexicon)
+    verdict = judged(step, list(table.candidates.values()), run.facts.looks, run.lexicon)
     for words in verdict.unjudged:
         run.leave_out(words)
     table.refused = [c for name, c in table.candidates.items() if name not in verdict.kept]

@@ -7,16 +7,19 @@ from __future__ import annotations
 
 import weakref
 from collections import Counter
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
+from operator import is_not
 from typing import Any
 
+from d3a.attributes import Looks
 from d3a.colours import HISTOGRAM_SIZE, Palette, histograms
-from d3a.match import Lexicon
+from d3a.match import Candidate, Lexicon, candidates
 from d3a.moments import in_slice, joined
 from d3a.parameters import DEFAULT, PROFILES, Parameters
 from d3a.places import Landmarks, is_hollow_word, is_landmark_word, landmarks
+from d3a.plan import FindObjects
 from d3a.store.base import (
     ObjectRecord,
     Region,
@@ -34,7 +37,7 @@ MOST_KEPT = 5_000
 MOST_OBJECTS = 50_000
 """And so many records of objects, half a kilobyte each."""
 MOST_LOOKS = 25_000
-"""With their embeddings they are five times as large: 60 MB at most."""
+"""With their embeddings they are five times as large: 60 MB at most, and 15 MB for their pixels."""
 MOST_SIGHTINGS = 20_000
 FEW_UNKNOWN = 16
 """Of so few objects all stays are read, and kept for the next question."""
@@ -45,6 +48,7 @@ PALETTE_OBJECTS = 1_000
 FEW_OBJECTS = 2_000
 """In a home of so few objects, what is large is looked for under every category."""
 _Asked = tuple[tuple[str, ...] | None, bool]
+_Meant = tuple[FindObjects, tuple[tuple[str, float], ...], float]
 
 
 @dataclass(slots=True)
@@ -58,6 +62,8 @@ class _Known:
     landmarks: Landmarks | None = None
     meta: dict[str, Any] = field(default_factory=dict)
     objects: dict[_Asked, list[ObjectRecord]] = field(default_factory=dict)
+    meant: dict[_Meant, tuple[list[ObjectRecord], list[Candidate]]] = field(default_factory=dict)
+    looks: dict[tuple[str, ...], Looks | None] = field(default_factory=dict)
     stays: dict[str, list[StayRecord]] = field(default_factory=dict)
     sightings: dict[str, list[Sighting]] = field(default_factory=dict)
     kept: Counter[str] = field(default_factory=Counter)
@@ -137,6 +143,32 @@ class Facts:
             if self._known.keeps(kind, len(found), most):
                 self._known.objects[asked] = found
         return found
+
+    def candidates(
+        self,
+        step: FindObjects,
+        records: Sequence[ObjectRecord],
+        worth: Mapping[str, float],
+        confusion: float,
+    ) -> list[Candidate]:
+        """Return what `match.candidates` does, kept where the same records are asked again."""
+        asked = (replace(step, var=""), tuple(worth.items()), confusion)
+        of, found = self._known.meant.get(asked, ([], []))
+        if len(of) != len(records) or any(map(is_not, of, records)):
+            of, found = list(records), candidates(step, records, worth, confusion=confusion)
+            if self._known.keeps("meant", len(of), MOST_OBJECTS):
+                self._known.meant[asked] = (of, found)
+        return found
+
+    def looks(self, records: Sequence[ObjectRecord]) -> Looks | None:
+        """Return the colours of objects, None where none of them has a histogram."""
+        asked = tuple([record.object_id for record in records])
+        if asked not in self._known.looks:
+            found = Looks.of(records, self.palette)
+            if not self._known.keeps("pixels", len(asked), MOST_LOOKS):
+                return found
+            self._known.looks[asked] = found
+        return self._known.looks[asked]
 
     def stays(self, ids: Sequence[str]) -> dict[StayKey, StayRecord]:
         """Return where the objects lay, by (object_id, place)."""

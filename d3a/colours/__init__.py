@@ -1,6 +1,6 @@
 """Colour words scored against colour histograms at query time (DESIGN, decision 5)."""
 
-from d3a.colours.judge import LEAST_ODDS, Palette, Verdict, judge
+from d3a.colours.judge import LEAST_ODDS, Palette, Pixels, Verdict, judge, judge_pixels
 from d3a.colours.looks import HISTOGRAM_SIZE, carries_histogram, histograms
 from d3a.colours.names import BASIC, colours_of, is_colour, words_of
 
@@ -9,11 +9,13 @@ __all__ = [
     "HISTOGRAM_SIZE",
     "LEAST_ODDS",
     "Palette",
+    "Pixels",
     "Verdict",
     "carries_histogram",
     "colours_of",
     "histograms",
     "is_colour",
     "judge",
+    "judge_pixels",
     "words_of",
 ]

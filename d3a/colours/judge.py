@@ -13,8 +13,8 @@ like comes from the lists alone.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from functools import lru_cache
+from dataclasses import dataclass, field
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -136,16 +136,24 @@ def judge(
     views (n,): by how many views each was seen; one where it is left out. The alternatives are
     the eleven basic terms.
     """
-    shares = as_shares(embeddings)
-    rivals = _rivals(colours, palette.exposure)  # (k, 512)
-    blends = _blends([_looks_like(colour, palette.exposure) for colour in colours])  # (m, 512)
-    pixels = _Pixels.of(shares, palette)
-    evidence = pixels.explained(np.vstack([rivals, blends]))  # (n, k + m)
+    return judge_pixels(colours, Pixels.of(embeddings, palette), views, weights)
+
+
+def judge_pixels(
+    colours: Sequence[str],
+    pixels: Pixels,
+    views: Floats | None = None,
+    weights: Weights = WEIGHTS,
+) -> Verdict:
+    """Return what `judge` does, of objects whose pixels were read already."""
+    exposure = pixels.exposure
+    rivals = _rivals(colours, exposure)  # (k, 512)
+    blends = _blends([_looks_like(colour, exposure) for colour in colours])  # (m, 512)
     if len(colours) > 1 or is_metal(colours[0]):  # many colours at once: none is the one
-        evidence *= _LOOKS
+        evidence = pixels.explained(np.vstack([rivals, blends])) * _LOOKS  # (n, k + m)
     else:
-        evidence = evidence * weights.explains
-        out = pixels.standing_out(np.vstack([rivals, blends]))
+        explained, out = _of_one(colours[0], pixels, np.vstack([rivals, blends]))
+        evidence = explained * weights.explains
         evidence += weights.stands_out * np.log(out + _LEAST_SHARE)
         evidence += weights.chromatic * _has_hue(colours[0])
         if views is not None:
@@ -154,6 +162,17 @@ def judge(
     asked = weight[:, len(rivals) :].mean(axis=1)
     rest = weight[:, : len(rivals)].sum(axis=1)
     return Verdict(probability=asked / (asked + rest), tenable=asked >= LEAST_ODDS * rest)
+
+
+def _of_one(colour: str, pixels: Pixels, looks: Floats) -> tuple[Floats, Floats]:
+    """Return both views of a colour and its rivals (k, 512), the colour last: (n, k) each."""
+    basic = colour.replace("gray", "grey")
+    if basic not in BASIC:
+        return pixels.explained(looks), pixels.standing_out(looks)
+    own = BASIC.index(basic)  # its rivals are the other terms: told apart once for all of them
+    order = [*(i for i in range(len(BASIC)) if i != own), own]
+    explained, out = pixels.of_terms
+    return explained[:, order], out[:, order]
 
 
 def _has_hue(colour: str) -> Floats:
@@ -195,25 +214,46 @@ def _blends(looks: Sequence[Floats]) -> Floats:
     return np.stack([even, *most]) @ np.stack(looks)
 
 
-@dataclass(frozen=True, slots=True)
-class _Pixels:
+@dataclass(frozen=True)
+class Pixels:
     """The bins (m,) that hold something of n objects, with what they hold, and others there.
 
     Nine of ten bins of a thing are empty and say nothing: only what is in the others is read.
+    exposure: of the palette that tells what is around. rows, begins (k,): the objects that have
+    a filled bin, and where the bins of each begin.
     """
 
     count: int
-    rows: NDArray[np.intp]
-    bins: NDArray[np.intp]
-    held: NDArray[np.float32]
-    around: NDArray[np.float32]
+    exposure: float
+    rows: NDArray[np.intp] = field(repr=False)
+    begins: NDArray[np.intp] = field(repr=False)
+    bins: NDArray[np.int16] = field(repr=False)
+    held: NDArray[np.float32] = field(repr=False)
+    around: NDArray[np.float32] = field(repr=False)
 
     @classmethod
-    def of(cls, shares: Floats, palette: Palette) -> _Pixels:
+    def of(cls, embeddings: NDArray[np.float32], palette: Palette) -> Pixels:
+        """Read the histograms (n, 512) of objects, any positive scale a row."""
+        shares = as_shares(embeddings)
         rows, bins = np.nonzero(shares)
         held = shares[rows, bins]
         around = palette.around(len(shares), rows, bins, held)
-        return cls(len(shares), rows, bins, held.astype(np.float32), around.astype(np.float32))
+        filled, begins = np.unique(rows, return_index=True)
+        return cls(
+            len(shares),
+            palette.exposure,
+            filled,
+            begins,
+            bins.astype(np.int16),
+            held.astype(np.float32),
+            around.astype(np.float32),
+        )
+
+    @cached_property
+    def of_terms(self) -> tuple[Floats, Floats]:
+        """Both views of the eleven basic terms, (n, 11) each: asked of the same things often."""
+        terms = _terms(self.exposure)
+        return self.explained(terms), self.standing_out(terms)
 
     def explained(self, looks: Floats) -> Floats:
         """Return the mean log likelihood of a pixel under each of k looks: (n, k)."""
@@ -224,16 +264,15 @@ class _Pixels:
         """Return the share of each of k looks among what the others do not hold: (n, k)."""
         called = looks / (looks.sum(axis=0) + _RARE)
         beyond = np.maximum(self.held - self.around, 0.0)
-        whole = np.bincount(self.rows, beyond, minlength=self.count)
+        whole = self._sums(beyond[None, :].astype(np.float64))
         shares = self._sums(called.astype(np.float32)[:, self.bins] * beyond)
-        return np.asarray(shares / np.maximum(whole, 1e-9)[:, None])
+        return np.asarray(shares / np.maximum(whole, 1e-9))
 
-    def _sums(self, told: NDArray[np.float32]) -> Floats:
+    def _sums(self, told: NDArray[np.float32] | Floats) -> Floats:
         """Return the sums over each object's bins of (k, m): (n, k)."""
         sums = np.zeros((self.count, len(told)))
         if len(self.rows):
-            begins = np.flatnonzero(np.r_[True, self.rows[1:] != self.rows[:-1]])
-            sums[self.rows[begins]] = np.add.reduceat(told, begins, axis=1).T
+            sums[self.rows] = np.add.reduceat(told, self.begins, axis=1).T
         return sums
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from d3a.colours import BASIC, Palette, colours_of, is_colour, judge
+from d3a.colours import BASIC, Palette, Pixels, colours_of, is_colour, judge, judge_pixels
 from d3a.colours.names import rest_of
 from tests.worlds.made import PAINTS, Rgb, painted
 
@@ -54,6 +54,29 @@ def test_one_thing_alone_is_judged_without_others_around() -> None:
     assert judge(["red"], matrix, palette).probability[0] > 0.75
     assert judge(["red"], matrix, palette, np.array([20.0])).probability[0] > 0.9
     assert not judge(["blue"], matrix, palette).tenable[0]
+
+
+@pytest.mark.parametrize(
+    "asked", [["red"], ["gray"], ["dark blue"], ["teal"], ["silver"], ["red", "white"]], ids=str
+)
+def test_pixels_that_were_read_for_another_colour_tell_the_same(asked: list[str]) -> None:
+    matrix, names = shop(light=0.7, fill=0.6)
+    palette, views = Palette.of(matrix), np.linspace(1.0, 40.0, len(names))
+    kept = Pixels.of(matrix, palette)
+    judge_pixels(["green"], kept, views)
+    told, anew = judge_pixels(asked, kept, views), judge(asked, matrix, palette, views)
+    assert told.probability.tolist() == anew.probability.tolist()
+    assert told.tenable.tolist() == anew.tenable.tolist()
+
+
+def test_what_is_judged_does_not_depend_on_what_else_is() -> None:
+    matrix, _ = shop(light=1.0, fill=0.6)
+    palette = Palette.of(matrix)
+    matrix[3] = 0.0  # nothing of it was seen
+    for colours in (["orange"], ["olive"]):
+        together = judge(colours, matrix, palette).probability
+        alone = [judge(colours, row[None, :], palette).probability[0] for row in matrix]
+        assert np.allclose(together, alone, atol=1e-5)
 
 
 def test_scale_of_a_histogram_does_not_matter() -> None:

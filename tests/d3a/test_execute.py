@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from d3a.answer import Answer
-from d3a.attributes import Judged, judged
+from d3a.attributes import Judged, Looks, judged
 from d3a.colours import Palette
 from d3a.execute import execute
 from d3a.match import Candidate
@@ -419,7 +419,7 @@ def test_one_look_must_be_nearly_sure() -> None:
 
     def told(colour: str, *, doubts: bool = False) -> Judged:
         step = JudgeAttributes("x", (colour,), doubts=doubts)
-        return judged(step, found, lambda: palette, Words())
+        return judged(step, found, lambda asked: Looks.of(asked, lambda: palette), Words())
 
     assert set(told("red").kept) == {"often"}
     assert 1 / 3 <= told("red").kept["often"].attributes["red"] < 0.5

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 from contextlib import closing
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from d3a import facts as facts_module
+from d3a.attributes import Looks
 from d3a.facts import Facts
+from d3a.match import Candidate
 from d3a.moments import in_slice, joined
+from d3a.plan import FindObjects
 from d3a.store import open_store
 from d3a.store.base import Batch, NativeQuery, Region, Store
 from tests.worlds.made import HOUR_MS, NOON, Home, Words, ms
@@ -53,6 +57,44 @@ def test_a_store_is_read_once_until_somebody_writes(tmp_path: Path) -> None:
         writer.apply(Batch(regions=[Region("attic", ROOM)]))
         assert [region.name for region in Facts(store).regions()] == ["attic"]
         assert told
+
+
+def test_what_a_noun_means_and_how_it_looks_is_worked_out_once(tmp_path: Path) -> None:
+    path = str(tmp_path / "home.db")
+    with closing(open_store(path)) as store:
+        made = home()
+        made.thing("other", "cup", paint="red")
+        made.seen("other", 5, at=(2, 1, 1))
+        made.into(store)
+        step, worth = FindObjects("x", "cup", "cup"), {"cup": 1.0}
+
+        def meant(facts: Facts, step: FindObjects = step) -> list[Candidate]:
+            return facts.candidates(step, facts.objects(["cup"], embeddings=True), worth, 0.1)
+
+        def looks(facts: Facts) -> Looks | None:
+            return facts.looks([candidate.record for candidate in meant(facts)])
+
+        first = meant(Facts(store))
+        assert [c.record.object_id for c in first] == ["cup", "other"]
+        assert meant(Facts(store)) is first
+        assert meant(Facts(store), replace(step, var="y")) is first
+        assert meant(Facts(store), replace(step, votes=True)) is not first
+        seen = looks(Facts(store))
+        assert seen is not None
+        assert seen.rows.tolist() == [1]
+        assert looks(Facts(store)) is seen
+        store.apply(Batch(regions=[Region("attic", ROOM)]))
+        assert meant(Facts(store)) is not first
+        assert looks(Facts(store)) is not seen
+
+
+def test_candidates_are_of_the_records_given() -> None:
+    facts = Facts(home().into(OracleStore()))
+    step, records = FindObjects("x", "cup", "cup"), facts.objects(["cup"], embeddings=False)
+    assert len(facts.candidates(step, records, {"cup": 1.0}, 0.1)) == 1
+    assert facts.candidates(step, [], {"cup": 1.0}, 0.1) == []
+    heavier = [replace(record, weight=99.0) for record in records]
+    assert facts.candidates(step, heavier, {"cup": 1.0}, 0.1)[0].record.weight == 99.0
 
 
 def test_two_stores_are_not_taken_for_one_another() -> None:
