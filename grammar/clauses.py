@@ -184,7 +184,12 @@ class ClauseTagger(Cursor):
         if text not in ("with", "without"):
             return False
         none = self._text(self.i + 1) == "no"
-        return self._part_of(self.i + 1 + none, without=none or text == "without")
+        if self._part_of(self.i + 1 + none, without=none or text == "without"):
+            return True
+        if text == "without" and self._noun_phrase_at(self.i + 1):
+            self._emit("THAT_NOT_REL", "together", 1)  # the bottle without the cup
+            return True
+        return False
 
     def _lacks(self) -> bool:
         """Whether the part said last is one that the thing lacks."""
@@ -199,7 +204,9 @@ class ClauseTagger(Cursor):
         found = self._described_part(k)
         noun = next((w.said for w, _, _ in found if isinstance(w, Noun)), "")
         pattern = self._pattern(noun)
-        if not noun or not (pattern or without or noun.rpartition(" ")[2] in self.lexicon.parts):
+        part = noun.rpartition(" ")[2] in self.lexicon.parts
+        lacking = without and self.lexicon.known_noun(noun) is None
+        if not noun or not (pattern or part or lacking):
             return False
         self._emit("_WITHOUT_PART" if without else "_WITH_PART", 0, start - self.i)
         for what, first, end in found:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from grammar import numbers
 from grammar.clauses import ClauseTagger
 from grammar.closed import is_open, words_of
 from grammar.cursor import DETERMINERS, OWNED, OWNERS, TIME_GAP
@@ -16,14 +17,34 @@ KIN = words_of(
 )
 """People by their kinship: what they do is no business of a memory of things."""
 _MEASURES = words_of("piece pair set bunch pack stack pile roll kind type sort group collection")
+_PICTURES = words_of("picture photo photograph image snapshot shot footage pic keyframe")
 _PLACE_WORDS = words_of("in at inside from within into to around of throughout across on")
-ON_PLACES = frozenset(("balcony", "terrace", "porch", "upstairs", "downstairs"))
+ON_PLACES = frozenset(
+    (
+        "balcony", "terrace", "porch", "upstairs", "downstairs", "ground floor", "first floor",
+        "second floor", "third floor", "top floor",
+    )
+)  # fmt: skip
 """What one is on, not in."""
+_DENYING = frozenset(("no", "not", "never"))
+_THEIRS = frozenset(("his", "her", "their"))
 PEOPLE = KIN | words_of("kid child guest visitor boy girl man woman baby person dog cat")
 
 
 class NounTagger(ClauseTagger):
     """Reads what belongs to things."""
+
+    def _at_least(self) -> bool:
+        """Take `at least two`, `more than two` before a noun as how many there must be."""
+        said = [self._text(self.i), self._text(self.i + 1)]
+        if said not in (["at", "least"], ["more", "than"]) or self._text(self.i - 1) in _DENYING:
+            return False
+        number = numbers.cardinal([w.text for w in self.words[self.i + 2 : self.i + 4]], 0)
+        least = number[0] + (said[0] == "more") if number is not None else 0
+        if number is None or least < 2 or not self._open_at(self.i + 2 + number[1]):
+            return False
+        self._emit("NUMBER", least, 2 + number[1])
+        return True
 
     def _or(self) -> bool:
         """In the kitchen or the hall: a place after `or` needs no preposition of its own."""
@@ -162,6 +183,10 @@ class NounTagger(ClauseTagger):
         if text in OWNERS or text in ("mine", "ours", "yours"):
             self._emit("OWNER", OWNERS.get(text) or OWNED[text], 1)
             return True
+        doer = self._doer() if text in _THEIRS and self._open_at(self.i + 1) else ""
+        if doer:
+            self._emit("OWNER", doer, 1)  # where did anna leave her keys
+            return True
         if text.endswith("'s") and len(text) > 2:
             stem = text.removesuffix("'s")
             singular = self.lexicon.singular(stem)
@@ -190,6 +215,12 @@ class NounTagger(ClauseTagger):
             return True
         return False
 
+    def _doer(self) -> str:
+        """Return the person said to have done it, "" where none is named: anna, my wife."""
+        said = next((t.value for t in self.out.tags if t.type == "WHO"), "")
+        named = said in self.lexicon.names or self.lexicon.singular(str(said)) in PEOPLE
+        return self.lexicon.singular(str(said)) if named else ""
+
     def _content(self) -> bool:
         """Cup of coffee, box of cereal: what is in it does not name the thing."""
         k = self.i + 1
@@ -201,6 +232,12 @@ class NounTagger(ClauseTagger):
             self._emit("OWNED", self._text(k), 2)  # the bag of anna
             return True
         measured = self.out.tags[-1].value
+        if isinstance(measured, Noun) and measured.said in _PICTURES and self._shown():
+            self.out.tags.pop()  # any photos of my keys
+            while self._last() == "DET":
+                self.out.tags.pop()
+            self.i += 1
+            return True
         if isinstance(measured, Noun) and measured.said in _MEASURES:
             self.out.tags.pop()
             self.i = k
@@ -209,15 +246,19 @@ class NounTagger(ClauseTagger):
         self.i = found[-1][2]
         return True
 
+    def _shown(self) -> bool:
+        """Whether the memory's own pictures are asked for: show me, do you have."""
+        asked = [t.type for t in self.out.tags[:3]] == ["AUX", "WHO", "HAVE"]
+        return self._first() == "_SHOW" or (asked and self.out.tags[1].value in ("you", "u"))
+
     def _noun_as_subject(self) -> bool:
         """anna, my wife, the kids: people who leave things are the subject of the question."""
         k = self.i
         while self._text(k) in DETERMINERS or self._text(k) in OWNERS:
             k += 1
         text = self._text(k)
-        person = text in self.lexicon.names or (
-            k > self.i and self.lexicon.singular(text) in PEOPLE
-        )
+        kind = self.lexicon.singular(text)
+        person = text in self.lexicon.names or kind in (PEOPLE if k > self.i else KIN)
         if not person:
             return False
         after = k + 1

@@ -72,6 +72,14 @@ def asks(words: list[Word]) -> bool:
     return bool(words) and (words[0].text in _ASKING or words[0].text == speech.SEEK)
 
 
+_WENT = words_of("was were had did went left came got took ate slept woke fell lost made")
+
+
+def _past(verb: str) -> bool:
+    """Whether a verb tells what has happened: before i went out is a time, before i go none."""
+    return verb in _WENT or verb.endswith("ed")
+
+
 def without_purpose(words: list[Word]) -> list[Word]:
     """Cut off what only says why one asks: `so i can watch tv`, `to put some snacks`."""
     texts = [w.text for w in words]
@@ -89,6 +97,7 @@ def without_purpose(words: list[Word]) -> list[Word]:
             texts[i] in ("so", "because", "cause", "before")
             and rest
             and rest[0] in ("i", "we", "that")
+            and not (texts[i] == "before" and _past(rest[-1]))
         ):
             return words[:i]
         if (

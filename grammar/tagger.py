@@ -43,8 +43,8 @@ class Tagger(RelationTagger):
         while self.i < len(self.words):
             for step in (
                 self._joint_part, self._mark, self._clause, self._place, self._topic,
-                self._negation, self._part, self._owner, self._noun_as_subject, self._phrase,
-                self._plain,
+                self._at_least, self._negation, self._part, self._noun_as_subject, self._owner,
+                self._phrase, self._plain,
             ):  # fmt: skip
                 if step():
                     break
@@ -229,7 +229,8 @@ class Tagger(RelationTagger):
             return False
         if self._last() == "" and said in ("up", "out"):
             return False
-        if said in ("that", "which"):
+        event = said == "before" and self._text(self.i + size) in (*PRONOUNS, "i", "we", "you")
+        if said in ("that", "which") or event:
             return False
         self.i += size
         return True

@@ -65,6 +65,8 @@ class DigitReader:
             exact = len(match[1]) == 2 and match[1][0] == "0"
             second = int(match[3] or 0)
             return self._make("HHMM", (int(match[1]), int(match[2]), exact, second), 1)
+        if match and ":" in self.word:
+            return self._make("UNPLACED", "no day has such an hour or minute", 1)
         if match := _MONTH.match(self.word):
             year, month = int(match[1] or match[4]), int(match[2] or match[3])
             return self._make("DATE", ("ymd", year, month, None), 1) if 1 <= month <= 12 else None

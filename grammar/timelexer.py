@@ -80,7 +80,8 @@ class _Reader(UnplacedReader):
             token = read()
             if token is not None:
                 return token
-        if self.word in tw.LINKS:
+        narrowed = self.word == "but" and self.previous and self._at(1) in ("before", "after")
+        if self.word in tw.LINKS or narrowed:  # after five but before eight
             return self._make("LINK", self.word, 1)
         return None
 
@@ -102,7 +103,7 @@ class _Reader(UnplacedReader):
             return None
         following = self._at(1)
         counted = following in ("day", "week", "weekend", "month", *tw.WEEKDAY_NUMBER)
-        inside = self._at(2) == "of" and self._at(3) not in ("this", "last")
+        inside = self._at(2) == "of"
         if self.word == "last" and counted and inside:
             return self._make("NTH", -1, 1)
         if following in tw.UNITS and following != "night":

@@ -92,6 +92,7 @@ PHRASES: dict[str, tuple[str, object]] = {
     "day before yesterday": ("DAYS", 2),
     "day before last": ("DAYS", 2),
     "before last": ("_BEFORE_LAST", 0),
+    **{f"{unit} to date": ("CURRENT", unit) for unit in ("week", "month", "quarter", "year")},
     "yesterday": ("DAYS", 1),
     "yesterday's": ("DAYS", 1),
     "today": ("DAYS", 0),

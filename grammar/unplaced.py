@@ -14,6 +14,10 @@ from grammar.timenumbers import NumberReader
 _RECURS = "it comes more than once; ask for one time"
 _NO_HOUR = "it names no hour"
 _TO_COME = "it has not come yet"
+_OTHER_ZONE = "all times are those of the home; say it without a zone"
+_ZONE_LETTERS = words_of("gmt utc pst pdt mst mdt cst cdt est edt bst cet cest")
+_ZONES = words_of("pacific mountain central eastern greenwich")
+_CLOCK = words_of("HOUR MINUTE HHMM FIXED MERIDIEM _OCLOCK")
 _EACH = words_of("every each")
 _BETWEEN_EACH = words_of("other single few second third of these those the couple")
 _OFTEN = words_of("hourly daily nightly weekly monthly yearly annually")
@@ -30,6 +34,8 @@ class UnplacedReader(NumberReader):
     """Reads what sounds like a time and names none, or many."""
 
     def _unplaced(self) -> TimeToken | None:
+        if self._is(*_CLOCK) and (length := self._zone()):
+            return self._make("UNPLACED", _OTHER_ZONE, length)
         if self.word not in _FIRST and self._at(-1) not in _BEFORE_CLOCK:
             return None
         for why, length in (
@@ -71,6 +77,13 @@ class UnplacedReader(NumberReader):
         several = self._at(k) in _PLURALS or (day != self.word and day in tw.WEEKDAYS)
         counted = self._is(*_COUNTS) or self._at(k + 1) in ("ago", "back")
         return 0 if not several or counted or self._noun(self._at(k + 1)) else k + 1
+
+    def _zone(self) -> int:
+        """Return the words of `pst`, `eastern standard time` after a clock time; 0 for others."""
+        k = int(self.word in _ZONES)
+        k += k and self._at(k) in ("standard", "daylight", "summer")
+        named = k and self._at(k) == "time"
+        return k + 1 if named else int(self.word in _ZONE_LETTERS)
 
     def _often(self) -> int:
         """Return 1 for `daily` as an adverb, at the end of what is said; 0 for a daily paper."""

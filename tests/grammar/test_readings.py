@@ -6,7 +6,7 @@ from datetime import datetime
 
 import pytest
 
-from grammar import FormalQuery, QuestionError, parse
+from grammar import FormalQuery, NotUnderstood, QuestionError, Relation, parse
 
 NOW = datetime.fromisoformat("2026-05-14T20:30:00+01:00")
 
@@ -100,3 +100,90 @@ def test_a_state_or_a_future_is_refused_with_what_may_be_asked_of_the_thing(
     with pytest.raises(QuestionError) as caught:
         read(text)
     assert caught.value.suggestions[0] == offered
+
+
+@pytest.mark.parametrize(
+    ("text", "owner"),
+    [
+        ("where did my wife leave the keys", None),
+        ("where did my wife leave her keys", "wife"),
+        ("where did dad put his keys", "dad"),
+        ("did the kids leave their keys in the hall", "kid"),
+        ("where did he put his keys", None),
+        ("where did dad put my keys", "me"),
+    ],
+)
+def test_who_did_it_owns_what_is_his(text: str, owner: str | None) -> None:
+    assert [(t.word, t.owner) for t in read(text).objects] == [("key", owner)]
+
+
+@pytest.mark.parametrize("text", ["where were my keys before i went out", "before i left it"])
+def test_a_time_told_by_what_happened_is_never_left_out(text: str) -> None:
+    with pytest.raises(QuestionError):
+        read(text)
+
+
+def test_what_one_wants_to_do_next_is_no_time() -> None:
+    assert read("where are my keys before i go out").time is None
+
+
+@pytest.mark.parametrize(
+    ("text", "why"),
+    [
+        ("where was the cup at 25:00", "no day has such an hour or minute"),
+        ("where was the cup at 8 pm PST", "say it without a zone"),
+        ("where was the cup at noon eastern standard time", "say it without a zone"),
+    ],
+)
+def test_a_time_that_the_home_has_not_is_refused_with_the_reason(text: str, why: str) -> None:
+    with pytest.raises(NotUnderstood) as caught:
+        read(text)
+    assert why in caught.value.reason
+
+
+@pytest.mark.parametrize(
+    ("text", "quantity"),
+    [
+        ("are there at least two cups on the table", 2),
+        ("did you see more than three cups", 4),
+        ("did you see at least one cup", None),
+    ],
+)
+def test_the_least_number_that_must_be_there(text: str, quantity: int | None) -> None:
+    assert read(text).objects[0].quantity == quantity
+
+
+@pytest.mark.parametrize(
+    "text", ["when was the bottle without the cup", "was the bottle ever seen without a cup"]
+)
+def test_a_thing_without_another_is_not_together_with_it(text: str) -> None:
+    query = read(text)
+    assert [t.word for t in query.objects] == ["bottle", "cup"]
+    assert query.relation == Relation("together", negated=True)
+    assert not query.negated
+
+
+def test_a_thing_without_a_part_lacks_it() -> None:
+    assert read("where is the bottle without a label").objects[0].without == ("label",)
+
+
+@pytest.mark.parametrize(
+    ("text", "word"),
+    [
+        ("show me all pictures of my keys", "key"),
+        ("do you have a photo of my keys", "key"),
+        ("where is the picture of my mother", "picture"),
+    ],
+)
+def test_a_picture_that_the_memory_shows_is_no_thing_of_the_home(text: str, word: str) -> None:
+    assert read(text).objects[0].word == word
+
+
+def test_a_floor_with_a_number_is_a_place() -> None:
+    assert read("what is on the second floor").place == "second floor"
+    assert read("what is on the floor").place is None
+
+
+def test_a_chance_asks_whether() -> None:
+    query = read("any chance you spotted my black wallet this morning")
+    assert (query.ask, query.objects[0].word) == ("whether", "wallet")
