@@ -14,6 +14,8 @@ from d3a.simulation.world import Stand, World
 
 CLEAR = 0.6  # share of an empty place in sight that is enough to say it is empty
 NEAR_M = 1.5
+OPEN_BELOW = frozenset({"dining table", "desk", "coffee table"})
+"""What stands on legs: there is room beneath it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,7 +62,7 @@ def relations(world: World) -> list[list[Json]]:
     """Return for each stay what it was on, under or near, with the seconds that both were there.
 
     From the solids: `on` where one stands on the other's top, `under` where its middle is below
-    the other's underside and inside its outline, `near` where centres are within 1.5 m.
+    the top of what stands on legs and inside its outline, `near` where centres are within 1.5 m.
     """
     out: list[list[Json]] = []
     for stand in world.stands:
@@ -89,6 +91,6 @@ def _kinds(world: World, a: Stand, b: Stand) -> list[str]:
         category = world.things[b.thing].category
         if abs(bottom - top) < 0.02 or category == a.support == "couch":
             kinds.append("on")
-        elif category == "dining table" and first[2] < top - 0.04:
+        elif category in OPEN_BELOW and first[2] < top - 0.04:
             kinds.append("under")
     return kinds

@@ -1,7 +1,8 @@
 """A seed's world with what it lacks: things under tables, and in shelves and open boxes.
 
-The bookcase is a shelf that is annotated, open boxes stand on desks, and things are put beneath the
-tables, onto the boards and into the boxes. Nothing overlaps; all that was there stays as it was.
+The bookcase is a shelf that is annotated, desks and the low table are annotated too, open boxes
+stand on desks, and things are put beneath all that has legs, onto the boards and into the boxes.
+Nothing overlaps; all that was there stays as it was.
 """
 
 from __future__ import annotations
@@ -13,13 +14,17 @@ import numpy as np
 from d3a.simulation.appearance import Looks, dress
 from d3a.simulation.room import Piece, Rectangle
 from d3a.simulation.solids import centred, overlap
+from d3a.simulation.truth import OPEN_BELOW
 from d3a.simulation.world import SIZES, Spot, Stand, Thing, World
 
 HOLLOW = ("shelf", "box")
 """The categories of what things are in."""
 BOX_SIZE: Spot = (0.5, 0.5, 0.2)
 WALL_M = 0.01
-BENEATH, ON_BOARDS, IN_BOX = ("bowl", "bottle", "cup"), ("book", "bowl", "bottle"), ("bottle",) * 2
+BENEATH, ON_BOARDS = ("bowl", "bottle", "cup"), ("book", "bowl", "bottle", "cup", "vase")
+IN_BOX = ("bottle", "vase", "bottle")
+NAMED = {"desk": "desk", "low table": "coffee table"}
+"""What furniture, by the beginning of its name, is annotated besides, as what."""
 TRIES = 300
 
 
@@ -28,9 +33,12 @@ def arranged(world: World) -> World:
     rng = np.random.default_rng([len(world.stands), round(1000 * world.stands[0].position[0])])
     shelf = next(p for p in world.room.pieces if p.name == "bookcase")
     world = _with_piece(world, shelf, "shelf", rng)
-    for desk in [p for p in world.room.pieces if p.name.startswith("desk")]:
+    for name, category in NAMED.items():
+        for piece in [p for p in world.room.pieces if p.name.startswith(name)]:
+            world = _with_piece(world, piece, category, rng)
+    for desk in [p for p in world.room.pieces if p.category == "desk"]:
         world = _with_box(world, desk, rng)
-    for table in [p for p in world.room.pieces if p.category == "dining table"]:
+    for table in [p for p in world.room.pieces if p.category in OPEN_BELOW]:
         for category in BENEATH:
             world = _with_thing(world, category, _outline(table), 0.0, "floor", rng)
     for board in {s.z: s for s in world.room.supports if s.name == "bookcase"}.values():
