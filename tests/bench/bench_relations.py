@@ -5,9 +5,10 @@
 A world is written and ingested, and every pair of its objects is related by the planner's own
 joins. The worlds are arranged (tests/worlds/arranged.py): a simulated home has nothing beneath its
 tables and no box to put a thing into; `--plain` leaves them as they are. Ten of them hold more than
-a hundred true pairs of every relation but "in" (90), and take some two minutes of a processor. near, on and under are
-true as truth.jsonl has them; above, in, together, same place, between and the sides follow from the
-solids and the robot's true poses, which are those of the noiseless recording of the same seed.
+a hundred true pairs of every relation but "in" (90), and take some two minutes of a processor.
+near, on and under are true as truth.jsonl has them; above, in, together, same place, between and
+the sides follow from the solids and the robot's true poses, which are those of the noiseless
+recording of the same seed.
 What is judged is a pair of stays that were both detected in one frame (for sides and between, what
 one keyframe shows), so that what nobody could see is no miss. What is within `EVEN` of the border
 (of one side and the other, of the limit of same place, of the ends of between) is left out: nobody
