@@ -48,22 +48,28 @@ def find_bounded(run: Run, step: FindSightings) -> None:
 def find_joined(run: Run, step: FindSightings) -> None:
     """Find the sightings of a step that others are joined with, or that are counted.
 
-    Of a relation at any time no more of a thing are joined than `MOST_JOINED`: it is looked for
-    from then on. What is counted is read whole.
+    Of a relation at any time no more of a thing are joined than `MOST_JOINED`: all of its things
+    are looked for from then on. What is counted is read whole.
     """
     table = run.found[step.var]
     start, end = milliseconds(step.start), milliseconds(step.end)
     counted = run.query.ask in ("count", "how_long", "how_often")
     if run.query.relation is not None and start is None and end is None and not counted:
-        start = run.facts.reach(table.ids, MOST_JOINED)
-        if start is not None:
-            run.cut = True
-            run.since_ms = max(run.since_ms, start)
+        for var in run.found.keys() - run.reached:
+            reach = run.facts.reach(run.found[var].ids, MOST_JOINED)
+            if reach is not None:
+                run.cut = True
+                run.since_ms = max(run.since_ms, reach)
+        run.reached |= run.found.keys()
+        start = run.since_ms or None
     table.sightings = run.facts.sightings(table.ids, start, end)
 
 
 def keep_since(run: Run, tables: Sequence[Found]) -> None:
-    """Drop what was seen before the time from which a relation is looked for."""
+    """Drop what was seen before the time from which a relation is looked for.
+
+    What describes a thing may have moved that time on, after the thing was found.
+    """
     if run.since_ms:
         for table in tables:
             table.sightings = [s for s in table.sightings if s.end_ms >= run.since_ms]

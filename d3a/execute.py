@@ -27,7 +27,7 @@ from d3a.joined import (
 from d3a.joins import SYMMETRIC, Related, relate
 from d3a.lookalikes import later_names
 from d3a.match import Candidate, Lexicon, in_room, rungs
-from d3a.moments import Found
+from d3a.moments import Found, common_span
 from d3a.parameters import Parameters
 from d3a.places import last_look, probability_inside
 from d3a.plan import (
@@ -318,16 +318,19 @@ def _relate(run: Run, step: Relate) -> None:
 
 def _related(run: Run, step: Relate, figure: Found, ground: Found) -> Related:
     start, end = milliseconds(step.start), milliseconds(step.end)
-    encounters: list[Encounter] = run.store.encounters(
-        object_ids=figure.ids,
-        with_ids=ground.ids,
-        start_ms=start,
-        end_ms=None if end is None else end - 1,
-    )
-    inside = [e for e in encounters if end is None or e.start_ms < end]
+    encounters: list[Encounter] = []
+    if figure.sightings and ground.sightings:
+        # a shared frame belongs to a sighting of either: those outside of all are not read
+        first, last = common_span(figure.sightings, ground.sightings)
+        encounters = run.store.encounters(
+            object_ids=figure.ids,
+            with_ids=ground.ids,
+            start_ms=first if start is None else max(first, start),
+            end_ms=last if end is None else min(last, end - 1),
+        )
     once = step.kind in SYMMETRIC
     usual = run.facts.usual_grounds(step.kind, run.lexicon)
-    return relate(step.kind, figure, ground, inside, run.parameters, once=once, usual=usual)
+    return relate(step.kind, figure, ground, encounters, run.parameters, once=once, usual=usual)
 
 
 def _rank(run: Run, step: Rank) -> None:

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from d3a import relations
-from d3a.model import Box
+from d3a.model import Box, Position
 from d3a.moments import Found, positions
 from d3a.pairs import Pairs
 from d3a.parameters import Parameters
@@ -128,7 +128,8 @@ def _is_mirrored(link: Link, figure: Found, ground: Found) -> bool:
 def _spans(found: Found) -> Spans:
     spans: Spans = {}
     for sighting in found.sightings:
-        spans.setdefault(sighting.stay, []).append((sighting.start_ms, sighting.end_ms))
+        stay = (sighting.object_id, sighting.place)
+        spans.setdefault(stay, []).append((sighting.start_ms, sighting.end_ms))
     return spans
 
 
@@ -179,13 +180,8 @@ def _overlapping(
     figure: Found, ground: Found, reach_m: float, *, timeless: bool
 ) -> list[tuple[Sighting, Sighting]]:
     """Return sightings whose intervals overlap and whose positions are within reach."""
-    a, b = figure.sightings, ground.sightings
-    if not a or not b:
-        return []
-    rows_a = [s for s in a if (stay := figure.stays.get(s.stay)) is not None and stay.position]
-    rows_b = [s for s in b if (stay := ground.stays.get(s.stay)) is not None and stay.position]
-    place_a = positions([figure.stays[s.stay] for s in rows_a])
-    place_b = positions([ground.stays[s.stay] for s in rows_b])
+    rows_a, place_a = _placed(figure)
+    rows_b, place_b = _placed(ground)
     span_a = np.array([(s.start_ms, s.end_ms) for s in rows_a], dtype=np.int64).reshape(-1, 2)
     span_b = np.array([(s.start_ms, s.end_ms) for s in rows_b], dtype=np.int64).reshape(-1, 2)
     meeting = _everyone(len(rows_a), len(rows_b)) if timeless else _at_once(span_a, span_b)
@@ -196,6 +192,18 @@ def _overlapping(
         pairs = zip(i[near].tolist(), j[near].tolist(), strict=True)
         found += [(rows_a[a], rows_b[b]) for a, b in pairs]
     return found
+
+
+def _placed(found: Found) -> tuple[list[Sighting], NDArray[np.float64]]:
+    """Return the sightings whose place is known, and where that is (n, 3) in metres."""
+    rows: list[Sighting] = []
+    places: list[Position] = []
+    for sighting in found.sightings:
+        stay = found.stays.get((sighting.object_id, sighting.place))
+        if stay is not None and stay.position is not None:
+            rows.append(sighting)
+            places.append(stay.position)
+    return rows, np.array(places, dtype=np.float64).reshape(-1, 3)
 
 
 def _everyone(count_a: int, count_b: int) -> Iterator[tuple[Rows, Rows]]:

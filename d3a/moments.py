@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
+from operator import attrgetter
 from typing import NamedTuple
 
 import numpy as np
@@ -98,25 +99,37 @@ def joined(sightings: Iterable[Sighting]) -> list[Sighting]:
 
     The joined sighting has the keyframe of its most probable part; `seen` adds up.
     """
-    ordered = sorted(sightings, key=lambda s: (s.object_id, s.place, s.start_ms))
     out: list[Sighting] = []
-    for sighting in ordered:
-        last = out[-1] if out else None
-        if (
-            last is not None
-            and last.stay == sighting.stay
-            and sighting.start_ms - last.end_ms <= SPLIT_GAP_MS
-        ):
-            best = last if last.probability >= sighting.probability else sighting
-            out[-1] = replace(
-                best,
-                start_ms=last.start_ms,
-                end_ms=max(last.end_ms, sighting.end_ms),
-                seen=last.seen + sighting.seen,
-            )
-        else:
+    rows: dict[StayKey, int] = {}
+    for sighting in sorted(sightings, key=_IN_ORDER):  # most come in it: that costs no more
+        stay = (sighting.object_id, sighting.place)
+        row = rows.get(stay)
+        if row is None or sighting.start_ms - out[row].end_ms > SPLIT_GAP_MS:
+            rows[stay] = len(out)
             out.append(sighting)
-    return sorted(out, key=lambda s: (s.start_ms, s.object_id, s.place))
+        else:  # it takes the place of its first part, whose start it has
+            out[row] = _as_one(out[row], sighting)
+    return out
+
+
+_IN_ORDER = attrgetter("start_ms", "object_id", "place")
+
+
+def _as_one(first: Sighting, second: Sighting) -> Sighting:
+    best = first if first.probability >= second.probability else second
+    return replace(
+        best,
+        start_ms=first.start_ms,
+        end_ms=max(first.end_ms, second.end_ms),
+        seen=first.seen + second.seen,
+    )
+
+
+def common_span(one: Sequence[Sighting], other: Sequence[Sighting]) -> tuple[int, int]:
+    """Return the least start and the greatest end of what touches a sighting of either list."""
+    first = max(min(s.start_ms for s in one), min(s.start_ms for s in other))
+    last = min(max(s.end_ms for s in one), max(s.end_ms for s in other))
+    return first, last
 
 
 def in_slice(sighting: Sighting, start_ms: int | None, end_ms: int | None) -> bool:

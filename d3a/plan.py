@@ -105,9 +105,11 @@ def plan(
     steps: list[Step] = []
     objects = query.objects or (ObjectTerm(ANYTHING),)
     polarity = _asks_for_absence(query)
-    for number, term in enumerate(objects):
+    for number, term in enumerate(objects):  # all first: how far back is read depends on all
         figure = query.relation is None or number == 0
-        steps += _term_steps(term, term.var, query, precision, figure=figure)
+        steps += _object_steps(term, term.var, query, precision, figure=figure)
+    for term in objects:
+        steps += _sighting_steps(term, term.var, query, precision)
     names = tuple(term.var for term in objects)
     var = names[0]
     if query.place is not None:
@@ -158,7 +160,7 @@ def _asks_for_the_present(query: FormalQuery) -> bool:
     return query.select == "last" and asked and somewhere and query.time is None
 
 
-def _term_steps(
+def _object_steps(
     term: ObjectTerm,
     var: str,
     query: FormalQuery,
@@ -166,6 +168,7 @@ def _term_steps(
     *,
     figure: bool,
 ) -> list[Step]:
+    """Return the steps that find what a term may mean."""
     counted = query.ask in ("count", "moved", "missing") or term.quantity is not None
     votes = figure and not counted and precision is None and term.category != ANYTHING
     find = FindObjects(var, term.category, term.word, term.owner, precision, votes)
@@ -173,6 +176,14 @@ def _term_steps(
     if (term.attributes or term.without) and precision not in ("category", "any"):
         doubts = "." not in var and _lists_doubts(query, term)
         steps.append(JudgeAttributes(var, term.attributes, term.without, doubts))
+    return steps
+
+
+def _sighting_steps(
+    term: ObjectTerm, var: str, query: FormalQuery, precision: Precision | None
+) -> list[Step]:
+    """Return the steps that find where and when that was seen, and what describes it."""
+    steps: list[Step] = []
     if query.time is not None and query.time.is_point and query.time.start is not None:
         steps.append(FindEdge(var, "last", query.time.start))
         steps.append(FindEdge(var, "first", query.time.start))
@@ -189,7 +200,8 @@ def _term_steps(
         steps.append(DropGone(var, query.time.start))
     if term.where is not None:
         inner = f"{var}.1"
-        steps += _term_steps(term.where.object, inner, query, precision, figure=False)
+        steps += _object_steps(term.where.object, inner, query, precision, figure=False)
+        steps += _sighting_steps(term.where.object, inner, query, precision)
         relation = Relate(term.where.kind, (var, inner), term.where.negated, keep="figure")
         steps.append(relation)
     return steps

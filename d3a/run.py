@@ -49,7 +49,7 @@ class Run:
     candidates that the noun means wherever they are. refused: the attributes that `otherwise`
     does not have. looked_then, apart: see `Answer`. limit: of keyframes. cut: not every sighting
     was read; counted: of how many objects there are some; since_ms: from when on a relation was
-    looked for.
+    looked for, as the variables `reached` allow.
     """
 
     query: FormalQuery
@@ -77,6 +77,7 @@ class Run:
     cut: bool = False
     counted: int = 0
     since_ms: int = 0
+    reached: set[str] = field(default_factory=set)
     suggestions: tuple[str, ...] = ()
     message: str | None = None
     rank_step: Rank | None = None

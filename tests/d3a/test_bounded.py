@@ -4,19 +4,25 @@ from __future__ import annotations
 
 import random
 from contextlib import closing
+from datetime import timedelta
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from assistant.asking import ask
+from d3a import bounded, facts
 from d3a.answer import Answer
 from d3a.facts import Facts
+from d3a.moments import joined
 from d3a.store import open_store, sqlite_newest
-from d3a.store.base import NativeQuery, Store
+from d3a.store.base import Encounter, NativeQuery, Sighting, Store
 from d3a.store.newest import newest_of
 from tests.worlds import scaled
-from tests.worlds.made import NOW, Home
+from tests.worlds.made import NOON, NOW, Home, ms
 from tests.worlds.oracle import OracleStore
+
+MIN = 60_000
 
 
 @pytest.fixture(scope="module")
@@ -141,3 +147,90 @@ def test_a_store_that_was_read_before_answers_the_same(cups: Store) -> None:
     ask(cups, "How many things did you see?", now=NOW)  # everything is known now
     again = [told(cups, question) for question in questions]
     assert [a.keyframes for a in again] == [a.keyframes for a in alone]
+
+
+class Noted(OracleStore):
+    """Notes from when on sightings, and between when encounters, are read."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.from_ms: list[int | None] = []
+        self.spans: list[tuple[int | None, int | None]] = []
+
+    def sightings(self, **asked: Any) -> list[Sighting]:
+        self.from_ms.append(asked.get("start_ms"))
+        return super().sightings(**asked)
+
+    def encounters(self, **asked: Any) -> list[Encounter]:
+        self.spans.append((asked["start_ms"], asked["end_ms"]))
+        return super().encounters(**asked)
+
+
+def crowd() -> Noted:
+    """A cup seen every minute for an hour, a bowl every half hour for ten; at times together."""
+    home = Home()
+    for name in ("cup", "bowl"):
+        home.thing(name, name)
+    for minute in range(-60, 0):
+        home.seen("cup", minute, minute + 0.2, at=(1.0, 1.0, 0.0))
+    for number in range(20):
+        home.seen("bowl", 30 * number - 600, 30 * number - 599.8, at=(6.0, 1.0, 0.0))
+    home.met("bowl", "cup", -509.9)  # of the bowl alone a sighting is found then
+    home.met("bowl", "cup", -29.9)
+    store = Noted()
+    home.into(store)
+    return store
+
+
+def test_a_relation_is_looked_for_from_when_on_all_of_its_things_are_read(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(bounded, "MOST_JOINED", 45)
+    monkeypatch.setattr(facts, "FEW_SIGHTINGS", 1)  # it is not a home of few things
+    store = crowd()
+    answer = told(store, "Did you see a bowl with a cup?")
+    since = next(s.start_ms for s in reversed(store.sightings()) if s.object_id == "cup") - 44 * MIN
+    assert [ms for ms in store.from_ms if ms is not None] == [since, since]
+    assert answer.truncated
+    assert answer.count == 1
+    assert {k.start for k in answer.keyframes} == {NOON + timedelta(minutes=-29.9)}
+    monkeypatch.setattr(bounded, "MOST_JOINED", 10_000)
+    whole = told(store, "Did you see a bowl with a cup?")
+    assert not whole.truncated
+    assert whole.keyframes == answer.keyframes
+
+
+@pytest.mark.parametrize(("at", "found"), [(-54.9, False), (-37, True), (-9.9, False)])
+def test_shared_frames_are_read_where_both_things_were_seen(at: float, found: bool) -> None:
+    home = Home()
+    for name, first in (("cup", -60), ("bowl", -40)):
+        home.thing(name, name)
+        home.seen(name, first, first + 25, at=(float(first), 1.0, 0.0))
+    home.met("bowl", "cup", at)
+    store = Noted()
+    home.into(store)
+    assert (told(store, "Did you see a bowl with a cup?").status == "found") == found
+    assert store.spans == [(ms(NOON) - 40 * MIN, ms(NOON) - 35 * MIN)]
+
+
+def test_parts_of_an_interval_are_joined_in_any_order() -> None:
+    draw = random.Random(5)
+    box = (0.0, 0.0, 1.0, 1.0)
+
+    def part(stay: tuple[str, int], start: int, end: int) -> Sighting:
+        return Sighting(*stay, start, end, f"{stay}{start}", draw.random(), box, seen=2)
+
+    parts = [
+        part((name, place), start, start + 9)
+        for name in "ab"
+        for place in (0, 1)
+        for start in (0, 10, 20, 31, 40)  # 31 is two from 29: not the same look
+    ]
+    draw.shuffle(parts)
+    found = joined(parts)
+    spans = [(s.start_ms, s.object_id, s.place, s.end_ms, s.seen) for s in found]
+    ends = {0: (29, 6), 31: (49, 4)}
+    assert spans == [(a, n, p, *ends[a]) for a in (0, 31) for n in "ab" for p in (0, 1)]
+    for one in found:
+        of_it = [p for p in parts if p.stay == one.stay and one.start_ms <= p.start_ms < one.end_ms]
+        assert one.frame == max(of_it, key=lambda p: p.probability).frame
