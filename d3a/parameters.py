@@ -8,6 +8,8 @@ from typing import Any, Literal
 
 Profile = Literal["default", "paper"]
 Clustering = Literal["components", "dbscan"]
+Nearness = Literal["space", "look"]
+Weighing = Literal["probability", "count"]
 
 ANSWER_FIELDS = ("together_m", "near_m")
 """Read when a question is answered: a store filled with other values of these is the same."""
@@ -33,6 +35,11 @@ class Parameters:
     # Tiers 1 to 3
     min_similarity: float = 0.4  # cosine; the reading "distance" is min_similarity = 0.6
     d_thresh_m: float = 0.5
+    # Tiers 1 to 3, paper profile: what the paper leaves open, with what else it may mean
+    weigh_by: Weighing = "probability"  # what a view counts in every mean; or each one alike
+    nearest_by: Nearness = "space"  # which of nearIDs is "closest"; by look there are more places
+    gate_category: bool = True  # in tiers 2 and 3 as in tier 1; without it ids mix categories
+    keep_moved_id: bool = True  # case 2; False: what turns up elsewhere is another thing
     # Tier 2
     stm_capacity: int = 400
     # Where things are: what is assumed where the recording does not say it
@@ -120,5 +127,8 @@ class Parameters:
 
 
 DEFAULT = Parameters()
-PAPER = Parameters(profile="paper")
+PAPER = Parameters(profile="paper", interval_gap_s=1800.0)
+"""The paper does not say when a time interval ends. It never concludes that a thing is gone, so an
+interval goes on over what the default profile bridges (`unbroken_gap_s`) while no look saw it gone;
+ten minutes would store 2.4 keyframes a place, where the paper's Q1 at Any returns one."""
 PROFILES: dict[str, Parameters] = {"default": DEFAULT, "paper": PAPER}

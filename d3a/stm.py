@@ -104,16 +104,16 @@ class ShortTermMemory:
         return min(self._entries, key=lambda entry: (entry.last_ms, entry.serial))
 
     def near_in_look(
-        self, category: str, embedding: Embedding | None, min_similarity: float
+        self, category: str | None, embedding: Embedding | None, min_similarity: float
     ) -> list[tuple[Entry, float]]:
         """Return nearIDs: entries of the category with a cosine of at least `min_similarity`.
 
-        With the cosine, by serial. What has no embedding is unlike nothing: its cosine is 1.
+        None for entries of any category. With the cosine, by serial. What has no embedding is
+        unlike nothing: its cosine is 1.
         """
-        code = self._categories.get(category)
-        if code is None:
-            return []
-        rows = np.flatnonzero(self._codes[: len(self._entries)] == code)
+        rows = np.arange(len(self._entries))
+        if category is not None:
+            rows = np.flatnonzero(self._codes[rows] == self._categories.get(category, -1))
         # By serial: where a row lies depends on what was evicted before a restart, and a product's
         # last bits on where the row lies.
         rows = np.array(sorted(rows.tolist(), key=lambda r: self._entries[r].serial), dtype=np.intp)

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from d3a.geometry import iou
 from d3a.model import Detection
-from d3a.parameters import Parameters
+from d3a.parameters import Parameters, Weighing
 from d3a.sightings import FrameRef, Interval, Scene
 
 Floats = NDArray[np.float64]
@@ -108,7 +108,7 @@ class SlidingWindow:
             # seen in one frame of a sliding window, our algorithm will characterize it as noise".
             frames = {m.ref.name for m in group}
             if len(frames) >= self._parameters.min_frames and any(m.label is None for m in group):
-                found.append(aggregate(group))
+                found.append(aggregate(group, self._parameters.weigh_by))
         return found
 
     def images(self) -> set[str]:
@@ -226,15 +226,18 @@ def _ordered(groups: list[list[Member]], members: Sequence[Member]) -> list[list
     return sorted(inside, key=lambda group: place[id(group[0])])
 
 
-def aggregate(group: Sequence[Member]) -> Cluster:
+def aggregate(group: Sequence[Member], weigh_by: Weighing = "probability") -> Cluster:
     """Return what a cluster's uncounted detections add up to: the paper's first aggregation.
 
-    All means are weighted by probability. A cluster that two labelled chains grew into keeps the
-    older label for what is new.
+    All means are weighted by probability; the appendix's weight "encodes the frequency of
+    detections", which may also mean their count. A cluster that two labelled chains grew into
+    keeps the older label for what is new.
     """
     fresh = [m for m in group if m.label is None]
     weights = np.array([m.detection.probability for m in fresh])
     weights = np.maximum(weights, 1e-6)  # a detector may say 0; a mean needs some weight
+    if weigh_by == "count":
+        weights = np.ones(len(fresh))
     positions = _positions(fresh)
     known = ~np.isnan(positions[:, 0])
     position = np.full(3, np.nan)

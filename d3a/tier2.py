@@ -61,21 +61,25 @@ class Filter:
         """
         if cluster.label is not None and (known := self.stm.get(cluster.label)) is not None:
             return known, False  # tier 1 has seen that it is this one: its chain goes on
-        near = self.stm.near_in_look(
-            cluster.category, cluster.embedding, self._parameters.min_similarity
-        )
+        parameters = self._parameters
+        # The paper gates by category in tier 1; without the gate here, ids mix categories.
+        category = cluster.category if parameters.gate_category else None
+        near = self.stm.near_in_look(category, cluster.embedding, parameters.min_similarity)
         if not near:
             return self._entry(cluster, self._instance_of_label(cluster), None), True  # case 3
+        alike, cosine = max(near, key=lambda each: (each[1], -each[0].serial))
         # "the closest n_id of nearIDs": in space; to take the most alike costs places and ids.
+        entries = [entry for entry, _ in near] if parameters.nearest_by == "space" else [alike]
         closest, metres = min(
-            ((entry, apart_m(self.stm.position(entry), cluster.position)) for entry, _ in near),
+            ((entry, apart_m(self.stm.position(entry), cluster.position)) for entry in entries),
             key=lambda each: (each[1], each[0].serial),
         )
-        if metres <= self._parameters.d_thresh_m:
+        if metres <= parameters.d_thresh_m:
             return closest, False  # case 1
+        if not parameters.keep_moved_id:
+            return self._entry(cluster, self._instance_of_label(cluster), None), True
         # Case 2, "the same object has moved": it inherits the id of the entry it is most like.
         # That is right once in ten times; the likeness is kept, so that a reader can judge.
-        alike, cosine = max(near, key=lambda each: (each[1], -each[0].serial))
         return self._entry(cluster, alike.instance, (alike.serial, cosine)), True
 
     def _instance_of_label(self, cluster: Cluster) -> int:

@@ -103,9 +103,10 @@ class DatabaseFilter:
     def _records(
         self, entry: Entry, look: Embedding | None, known_id: str | None
     ) -> dict[str, ObjectRecord]:
+        categories = [entry.category] if self._parameters.gate_category else None
         found = {
             record.object_id: record
-            for record in self._ledger.objects(categories=[entry.category])
+            for record in self._ledger.objects(categories=categories)
             if not record.volatile
             and record.site == self._stored.site
             and cosine(record.embedding, look) >= self._parameters.min_similarity
@@ -135,6 +136,8 @@ class DatabaseFilter:
     ) -> ObjectRecord | None:
         if known_id in records:
             return records[known_id]
+        if not self._parameters.keep_moved_id:
+            return None
         return max(records.values(), key=lambda r: cosine(r.embedding, look), default=None)
 
     def _insert_object(self, object_id: str, entry: Entry, look: Embedding | None) -> None:

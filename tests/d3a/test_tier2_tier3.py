@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from d3a.ledger import Ledger
 from d3a.model import Detection
@@ -15,9 +16,18 @@ from tests.worlds.oracle import OracleStore
 from tests.worlds.rounds import colour
 
 
-def frame(number: int, x: float, look: int = 1, step_s: float = 1.0) -> Scene:
+def frame(
+    number: int,
+    x: float,
+    look: int = 1,
+    step_s: float = 1.0,
+    category: str = "cup",
+    probability: float = 0.8,
+    embedding: NDArray[np.float32] | None = None,
+) -> Scene:
+    seen = colour(look) if embedding is None else embedding
     detection = Detection(
-        "cup", 0.8, (0, 0, 5, 5), position=(x, 0.0, 0.0), embedding=colour(look), row=number
+        category, probability, (0, 0, 5, 5), position=(x, 0.0, 0.0), embedding=seen, row=number
     )
     return Scene(FrameRef(f"f{number}", round(number * step_s * 1000)), (detection,))
 
@@ -72,6 +82,57 @@ def test_case_3_another_look_is_another_thing() -> None:
     line = Line()
     line.see(frame(0, 1.0), frame(1, 1.0), frame(100, 1.0, look=9), frame(101, 1.0, look=9))
     assert len(line.write(flush=True).objects()) == 2
+
+
+@pytest.mark.parametrize("capacity", [400, 1], ids=["memory", "store"])
+def test_a_moved_thing_may_be_read_as_another_one(capacity: int) -> None:
+    scenes = [frame(0, 1.0), frame(1, 1.0), frame(100, 4.0), frame(101, 4.0)]
+    line = Line(keep_moved_id=False, stm_capacity=capacity)
+    line.see(*scenes)
+    store = line.write(flush=True)
+    assert len(store.objects()) == 2
+    assert all(stay.moved_from is None for stay in store.stays())
+    kept = Line(stm_capacity=capacity)
+    kept.see(*scenes)
+    assert len(kept.write(flush=True).objects()) == 1
+
+
+@pytest.mark.parametrize("capacity", [400, 1], ids=["memory", "store"])
+def test_without_the_gate_tiers_2_and_3_join_what_is_named_otherwise(capacity: int) -> None:
+    scenes = [frame(n, 1.0, category="bowl" if n >= 100 else "cup") for n in (0, 1, 100, 101)]
+    gated, open_ = Line(stm_capacity=capacity), Line(stm_capacity=capacity, gate_category=False)
+    gated.see(*scenes)
+    open_.see(*scenes)
+    assert len(gated.write(flush=True).objects()) == 2
+    (record,) = open_.write(flush=True).objects()
+    assert record.weight == pytest.approx(3.2)
+
+
+def test_closest_in_look_takes_the_most_alike_where_it_is() -> None:
+    """A likeness of .7 stands near, the very look far off: by look it is the one that moved."""
+    middle = (colour(1) + colour(9)) / np.float32(np.sqrt(2))
+    scenes = [frame(0, 1.0), frame(1, 1.0)]
+    scenes += [frame(n, 5.0, embedding=middle) for n in (100, 101)]
+    scenes += [frame(n, 5.2) for n in (200, 201)]
+    places = {}
+    for nearest_by in ("space", "look"):
+        line = Line(nearest_by=nearest_by)
+        line.see(*scenes)
+        line.write()
+        places[nearest_by] = len(line.store.stays())
+    assert places == {"space": 2, "look": 3}
+
+
+def test_views_may_count_alike_whatever_their_probability() -> None:
+    means = {}
+    for weigh_by in ("probability", "count"):
+        line = Line(weigh_by=weigh_by)
+        line.see(frame(0, 1.0, probability=0.9), frame(1, 1.4, probability=0.3))
+        (stay,) = line.write(flush=True).stays()
+        assert stay.position is not None
+        means[weigh_by] = (stay.position[0], stay.weight)
+    assert means["probability"] == pytest.approx((1.1, 1.2))
+    assert means["count"] == pytest.approx((1.2, 2.0))
 
 
 def test_the_memory_is_seen_while_it_fills_and_replaced_when_it_is_evicted() -> None:
