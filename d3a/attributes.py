@@ -15,12 +15,11 @@ from numpy.typing import NDArray
 from d3a.colours import (
     BASIC,
     LEAST_ODDS,
+    Appearances,
     Palette,
-    Pixels,
     carries_histogram,
     histograms,
     is_colour,
-    judge_pixels,
     words_of,
 )
 from d3a.match import Candidate, Lexicon
@@ -55,12 +54,11 @@ _SIZES: dict[str, tuple[str, float]] = {
 class Looks:
     """The colours of some objects, read once for every colour word that is asked of them.
 
-    rows (m,): which of the objects have a histogram; pixels, views (m,): of these.
+    rows (m,): which of the objects have a histogram; of_rows: how these look.
     """
 
     rows: NDArray[np.intp]
-    pixels: Pixels
-    views: NDArray[np.float64]
+    of_rows: Appearances
 
     @classmethod
     def of(cls, records: Sequence[ObjectRecord], palette: Callable[[], Palette]) -> Looks | None:
@@ -82,7 +80,7 @@ class Looks:
             return None
         rows = np.array([row for row, _ in carried], dtype=np.intp)[held]
         views = np.array([records[row].weight for row in rows.tolist()], dtype=np.float64)
-        return cls(rows, Pixels.of(matrix[held], palette()), views)
+        return cls(rows, Appearances.of(matrix[held], palette(), views))
 
 
 @dataclass(frozen=True, slots=True)
@@ -195,7 +193,7 @@ def _colour(
     looks = looks_of([candidate.record for candidate in found])
     if looks is None:
         return None
-    verdict = judge_pixels(colours, looks.pixels, looks.views)
+    verdict = looks.of_rows.judge(colours)
     probability = np.full(len(found), UNKNOWN)
     tenable = np.ones(len(found), dtype=np.bool_)
     probability[looks.rows] = verdict.probability

@@ -13,8 +13,10 @@ from functools import lru_cache
 from operator import is_not
 from typing import Any
 
+import numpy as np
+
 from d3a.attributes import Looks
-from d3a.colours import HISTOGRAM_SIZE, Palette, histograms
+from d3a.colours import HISTOGRAM_SIZE, Palette, histograms, learn
 from d3a.match import Candidate, Lexicon, candidates
 from d3a.moments import in_slice, joined
 from d3a.parameters import DEFAULT, PROFILES, Parameters
@@ -308,13 +310,16 @@ class Facts:
         return self._known.landmarks
 
     def palette(self) -> Palette:
-        """Return what the boxes of the whole store hold together, for colours."""
+        """Return what the boxes of the whole store hold together and show, for colours."""
         if self._known.palette is None:
-            _, matrix = self.store.embeddings(PALETTE_OBJECTS)
+            ids, matrix = self.store.embeddings(PALETTE_OBJECTS)
             # It is asked for where an object has a histogram; a store holds looks of one kind.
-            usable = matrix.shape[1] >= HISTOGRAM_SIZE
-            self._known.palette = Palette.of(
-                histograms(matrix) if usable else matrix[:0].reshape(0, HISTOGRAM_SIZE)
+            usable = len(ids) if matrix.shape[1] >= HISTOGRAM_SIZE else 0
+            known = self.store.objects(ids=ids, embeddings=False) if usable else []
+            weights = {record.object_id: record.weight for record in known}
+            self._known.palette = learn(
+                histograms(matrix) if usable else np.zeros((0, HISTOGRAM_SIZE), dtype=np.float32),
+                np.array([weights.get(name, 1.0) for name in ids[:usable]]),
             )
         return self._known.palette
 

@@ -72,9 +72,9 @@ def colour_words(store: Store, things: Sequence[ObjectRecord]) -> dict[str, list
     """
     import numpy as np
 
-    from d3a.colours import BASIC, Palette, carries_histogram, histograms, judge
+    from d3a.colours import BASIC, Appearances, carries_histogram, histograms
+    from d3a.facts import Facts
 
-    _, everything = store.embeddings()
     seen = [
         t
         for t in things
@@ -82,9 +82,10 @@ def colour_words(store: Store, things: Sequence[ObjectRecord]) -> dict[str, list
     ]
     if not seen:
         return {}
-    palette = Palette.of(histograms(everything))
     looks = histograms(np.stack([t.embedding for t in seen if t.embedding is not None]))
-    verdicts = [judge([term], looks, palette) for term in BASIC]
+    views = np.array([t.weight for t in seen])
+    appearances = Appearances.of(looks, Facts(store).palette(), views)
+    verdicts = [appearances.judge([term]) for term in BASIC]
     probability = np.stack([verdict.probability for verdict in verdicts], axis=1)
     tenable = np.stack([verdict.tenable for verdict in verdicts], axis=1)
     order = np.argsort(-probability, axis=1, kind="stable")[:, :2]

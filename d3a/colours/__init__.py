@@ -1,21 +1,22 @@
 """Colour words scored against colour histograms at query time (DESIGN, decision 5)."""
 
-from d3a.colours.judge import LEAST_ODDS, Palette, Pixels, Verdict, judge, judge_pixels
+from d3a.colours.judge import LEAST_ODDS, Appearances, Verdict, judge, learn
 from d3a.colours.looks import HISTOGRAM_SIZE, carries_histogram, histograms
 from d3a.colours.names import BASIC, colours_of, is_colour, words_of
+from d3a.colours.pixels import Palette
 
 __all__ = [
     "BASIC",
     "HISTOGRAM_SIZE",
     "LEAST_ODDS",
+    "Appearances",
     "Palette",
-    "Pixels",
     "Verdict",
     "carries_histogram",
     "colours_of",
     "histograms",
     "is_colour",
     "judge",
-    "judge_pixels",
+    "learn",
     "words_of",
 ]

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from d3a.colours import BASIC, Palette, Pixels, colours_of, is_colour, judge, judge_pixels
+from d3a.colours import BASIC, Appearances, Palette, colours_of, is_colour, judge, learn
 from d3a.colours.names import rest_of
+from d3a.colours.pixels import as_shares
 from tests.worlds.made import PAINTS, Rgb, painted
 
 WALLS: tuple[Rgb, ...] = ((150, 120, 90), (170, 170, 165), (90, 80, 75), (210, 200, 180))
@@ -56,15 +59,55 @@ def test_one_thing_alone_is_judged_without_others_around() -> None:
     assert not judge(["blue"], matrix, palette).tenable[0]
 
 
+def crockery() -> tuple[NDArray[np.float32], list[str]]:
+    """Return four of each paint, of which shades and pale lids hide about as much as they show."""
+    rng = np.random.default_rng(21)
+    matrix, names = shop(light=0.8, fill=0.6)
+    shade, lid = (painted(rgb, rng, light=0.8, fill=0.9) for rgb in ((30, 28, 28), (190, 186, 180)))
+    parts = rng.dirichlet((4, 2, 4), size=len(names))
+    looks = as_shares(matrix) * parts[:, :1] + parts[:, 1:] @ as_shares(np.stack([shade, lid]))
+    return looks.astype(np.float32), names
+
+
+def test_things_of_a_store_teach_what_its_colours_look_like() -> None:
+    matrix, names = crockery()
+    views = np.full(len(names), 30.0)
+
+    def right(palette: Palette) -> float:
+        best = Appearances.of(matrix, palette, views).chances.argmax(axis=1)
+        return float(np.mean([BASIC[i] == name for i, name in zip(best, names, strict=True)]))
+
+    assert right(learn(matrix, views)) >= right(Palette.of(matrix)) + 0.05
+
+
+def test_a_thing_is_judged_by_the_others_not_by_itself() -> None:
+    matrix, names = crockery()
+    whole = learn(matrix)
+    for row in range(0, len(names), 7):
+        others = replace(whole, learned=learn(np.delete(matrix, row, axis=0)).learned)
+        one = matrix[row][None, :]
+        told = Appearances.of(one, whole).chances
+        once_more = Appearances.of(one, others)  # as if it were none of those that told
+        without = once_more.among(others.learned, np.zeros((1, len(BASIC))))
+        assert np.abs(told - without).max() < 0.1
+
+
+def test_what_is_seen_often_tells_more_of_its_colour() -> None:
+    matrix, names = crockery()
+    views = np.where(np.array(names) == "red", 30.0, 1.0)
+    learned = learn(matrix, views).learned.called
+    assert learned[BASIC.index("red")] > 2 * learned[BASIC.index("blue")]
+
+
 @pytest.mark.parametrize(
     "asked", [["red"], ["gray"], ["dark blue"], ["teal"], ["silver"], ["red", "white"]], ids=str
 )
-def test_pixels_that_were_read_for_another_colour_tell_the_same(asked: list[str]) -> None:
+def test_looks_that_were_read_for_another_colour_tell_the_same(asked: list[str]) -> None:
     matrix, names = shop(light=0.7, fill=0.6)
-    palette, views = Palette.of(matrix), np.linspace(1.0, 40.0, len(names))
-    kept = Pixels.of(matrix, palette)
-    judge_pixels(["green"], kept, views)
-    told, anew = judge_pixels(asked, kept, views), judge(asked, matrix, palette, views)
+    palette, views = learn(matrix), np.linspace(1.0, 40.0, len(names))
+    kept = Appearances.of(matrix, palette, views)
+    kept.judge(["green"])
+    told, anew = kept.judge(asked), judge(asked, matrix, palette, views)
     assert told.probability.tolist() == anew.probability.tolist()
     assert told.tenable.tolist() == anew.tenable.tolist()
 

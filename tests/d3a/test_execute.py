@@ -479,7 +479,7 @@ def test_a_pair_is_an_answer_where_one_of_two_looks_is_doubtful() -> None:
         things = term("cup", "red"), term("bowl", "blue")
         return run(home, query(*things, ask="when", kind="together"))
 
-    both = asked((150.0, 66.0, 38.0))
+    both = asked((152.0, 64.0, 38.0))
     assert ids(both) == ["rusty", "blue"]
     assert both.count == 1
     assert both.keyframes[0].why["attributes"]["red"] < 1 / 3
