@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from d3a import likelihood
 from d3a.geometry import pose_covariance
 from d3a.model import Json, Pose
 from d3a.parameters import Parameters
+from d3a.symmetric import Six, Vector, inverse, of_rows, squared, times
 
 Floats = NDArray[np.float64]
 
@@ -47,20 +48,26 @@ class FrameOffset:
         self.covariance = self.covariance * keep**2 + prior * (1 - keep**2)
         self.time_ms = time_ms
 
-    def correct(self, residuals: Floats, noise: Floats) -> None:
-        """Take in how far known things (n, 3) were off, with their covariances (n, 3, 3).
+    def correct(self, known: Iterable[tuple[Vector, Six]]) -> None:
+        """Take in how far known things were off: residuals with their covariances.
 
         Each weighs the less the farther it is off what was expected, as it may be mistaken.
         """
-        if len(residuals) == 0 or not self.covariance.any():
-            return
         dof = self.parameters.outlier_dof
-        squared, _ = likelihood.mahalanobis(residuals - self.mean, noise + self.covariance)
-        weight = np.minimum(1.0, (dof + 3) / (dof + squared))
-        precision = np.linalg.inv(noise) * weight[:, None, None]
-        prior = np.linalg.inv(self.covariance)
-        self.covariance = np.linalg.inv(prior + precision.sum(axis=0))
-        pull = prior @ self.mean + np.einsum("nij,nj->i", precision, residuals)
+        mean = self.mean.tolist()
+        own = of_rows(self.covariance.ravel().tolist())
+        total: Six = inverse(own)
+        pull = times(total, mean)
+        for residual, noise in known:
+            away = [r - m for r, m in zip(residual, mean, strict=True)]
+            expected = inverse([n + o for n, o in zip(noise, own, strict=True)])
+            weight = min(1.0, (dof + 3) / (dof + squared(expected, away)))
+            precision = inverse([n / weight for n in noise])
+            px, py, pz = times(precision, residual)
+            pull = pull[0] + px, pull[1] + py, pull[2] + pz
+            total = [t + p for t, p in zip(total, precision, strict=True)]
+        xx, xy, xz, yy, yz, zz = inverse(total)
+        self.covariance = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
         self.mean = self.covariance @ pull
 
     def to_state(self) -> Json:

@@ -226,8 +226,8 @@ def in_view(seen: Projection, camera: Camera, range_m: float, margin: float) -> 
 
 def heading(pose: Pose) -> float:
     """Return the viewing direction in the map's x-y plane, radians; up is z (REP 103)."""
-    forward = rotation(pose)[:, 2]
-    return math.atan2(float(forward[1]), float(forward[0]))
+    x, y, z, w = pose.quaternion
+    return math.atan2(2 * (y * z - x * w), 2 * (x * z + y * w))  # of the camera's z axis
 
 
 def clip_box(box: Box, width: int, height: int) -> Box | None:
@@ -237,10 +237,12 @@ def clip_box(box: Box, width: int, height: int) -> Box | None:
     return (x1, y1, x2, y2) if x2 - x1 >= 1 and y2 - y1 >= 1 else None
 
 
-def iou(boxes: Floats) -> Floats:
-    """Return the intersection over union of every pair of boxes (n, 4), (n, n)."""
-    low = np.maximum(boxes[:, None, :2], boxes[None, :, :2])
-    high = np.minimum(boxes[:, None, 2:], boxes[None, :, 2:])
-    shared = np.prod(np.clip(high - low, 0, None), axis=2)
-    area = np.prod(boxes[:, 2:] - boxes[:, :2], axis=1)
-    return np.asarray(shared / (area[:, None] + area[None, :] - shared))
+def iou(one: Box, other: Box) -> float:
+    """Return the intersection over union of two boxes."""
+    ax1, ay1, ax2, ay2 = one
+    bx1, by1, bx2, by2 = other
+    width, height = min(ax2, bx2) - max(ax1, bx1), min(ay2, by2) - max(ay1, by1)
+    if width <= 0 or height <= 0:
+        return 0.0
+    shared = width * height
+    return shared / ((ax2 - ax1) * (ay2 - ay1) + (bx2 - bx1) * (by2 - by1) - shared)

@@ -54,16 +54,18 @@ def position_ratios(
 
 
 def feature(embedding: NDArray[np.float32], is_histogram: bool) -> Features:
-    """Return the vector (d,), unit length, whose dot product is the likeness of two looks.
+    """Return the vectors (..., d), unit length, whose dot product is the likeness of two looks.
 
     Of a histogram the square root of each colour's share (then the product is Bhattacharyya's
     coefficient: one dominant colour of the background cannot decide alone); else the embedding.
     """
     if not is_histogram:
         return embedding
-    mass = np.maximum(embedding, 0.0)
-    total = float(mass.sum())
-    return np.sqrt(mass / total).astype(np.float32) if total > 0 else mass
+    mass = np.maximum(embedding, np.float32(0.0))
+    total = mass.sum(axis=-1, keepdims=True)
+    total[total <= 0] = 1.0
+    mass /= total
+    return np.sqrt(mass, out=mass)
 
 
 def embedding_of(look: Features, is_histogram: bool) -> NDArray[np.float32]:
@@ -76,6 +78,7 @@ def embedding_of(look: Features, is_histogram: bool) -> NDArray[np.float32]:
 LOOK_BINS = (1.5, 4.0, 12.0)
 """Views in a mean look, at which it counts as another kind: a mean is more like its views than
 they are like each other."""
+_LOOK_BINS = np.array(LOOK_BINS)
 SAME, OTHER, BESIDE = 0, 1, 2
 """Kinds of pairs: views of one thing; of two of one category; of two that stand side by side and
 have different categories, which share their background more than two of a kind across the room."""
@@ -114,22 +117,32 @@ class LookModel:
 
         likeness: cosines (n, m) with looks of so many views (m,).
         """
-        slope, even = self._lines(kind)
-        bins = np.searchsorted(LOOK_BINS, views, side="right")
-        raw = slope[bins] * (likeness - even[bins])
-        least, most = self._parameters.look_least, self._parameters.look_most
-        return np.asarray(np.minimum(np.maximum(raw, least), most))
+        return np.asarray(self.against(likeness, views, (kind,))[0])
 
-    def _lines(self, kind: int) -> tuple[Floats, Floats]:
-        """Return the slope of the evidence in each bin, and the likeness that says nothing."""
+    def against(self, likeness: Floats, views: Floats, kinds: Sequence[int]) -> Floats:
+        """Return what `ratios` does for each of some kinds, (kinds, n, m)."""
+        bins = _LOOK_BINS.searchsorted(views, side="right")
+        slope, even = np.array(self._lines(kinds)).take(bins, axis=2)[:, :, None]
+        raw = slope * (likeness - even)
+        np.maximum(raw, self._parameters.look_least, out=raw)
+        return np.asarray(np.minimum(raw, self._parameters.look_most, out=raw))
+
+    def _lines(self, kinds: Sequence[int]) -> tuple[list[list[float]], list[list[float]]]:
+        """Return the slope of the evidence in each bin, and the likeness that says nothing.
+
+        Both by kind.
+        """
         sums: list[list[list[float]]] = self.sums.tolist()
-        slope, even = [], []
+        slopes: list[list[float]] = [[] for _ in kinds]
+        evens: list[list[float]] = [[] for _ in kinds]
         for rows in sums:  # so few numbers go quicker one by one
-            (n, same, squares), (m, other, more) = rows[SAME], rows[kind]
-            variance = max((squares + more) / (n + m), 1e-4)
-            slope.append(max(same - other, 0.0) / variance)
-            even.append((same + other) / 2)
-        return np.array(slope), np.array(even)
+            n, same, squares = rows[SAME]
+            for kind, slope, even in zip(kinds, slopes, evens, strict=True):
+                m, other, more = rows[kind]
+                variance = max((squares + more) / (n + m), 1e-4)
+                slope.append(max(same - other, 0.0) / variance)
+                even.append((same + other) / 2)
+        return slopes, evens
 
 
 DOUBT_LEAST = 0.02
@@ -156,12 +169,14 @@ class CategoryModel:
     def __init__(self, parameters: Parameters) -> None:
         self.parameters = parameters
         self.counts: Counter[str] = Counter()
-        self.doubt = np.array(DOUBT_PRIOR)
+        self.doubt = DOUBT_PRIOR
+        """Summed doubt, and detections."""
 
     def add(self, category: str, probability: float = 1.0) -> None:
         """Count a detection, by the detector's own probability."""
         self.counts[category] += 1
-        self.doubt += (1.0 - probability, 1.0)
+        summed, number = self.doubt
+        self.doubt = summed + (1.0 - probability), number + 1.0
 
     def frequency(self, category: str) -> float:
         """Return the share of detections with this category, smoothed; never 0."""
@@ -175,7 +190,7 @@ class CategoryModel:
         `confusion` on average, and in proportion to the detector's doubt by what is usual for it:
         detectors differ in how they boast, but all are wrong most where they doubt most.
         """
-        usual = float(self.doubt[0] / self.doubt[1]) + DOUBT_LEAST
+        usual = self.doubt[0] / self.doubt[1] + DOUBT_LEAST
         share = self.parameters.confusion * (1.0 - probability + DOUBT_LEAST) / usual
         return min(WRONG_MOST, max(WRONG_LEAST, share))
 
@@ -194,7 +209,9 @@ class CategoryModel:
         self, names: Sequence[tuple[str, float]], kinds: Sequence[Mapping[str, float]]
     ) -> tuple[Floats, Floats]:
         """Return what `ratios` does, of things that are of each category with these shares."""
-        common = [self.frequency(category) for category, _ in names]
+        prior = self.parameters.category_prior
+        total = self.counts.total() + prior * self.parameters.category_kinds
+        common = [(self.counts[category] + prior) / total for category, _ in names]
         share = np.array(
             [
                 [kind.get(category, 0.0) if kind else usual for kind in kinds]
@@ -202,27 +219,47 @@ class CategoryModel:
             ]
         )
         wrong = np.array([[self.wrong(probability)] for _, probability in names])
-        agreed = (1 - wrong) * share / np.array(common)[:, None]
-        return np.log(np.maximum(agreed, 1e-12)), np.log(np.maximum(wrong * (1 - share), 1e-12))
+        parts = np.empty((2, *share.shape))
+        parts[0] = (1 - wrong) * share / np.array(common)[:, None]
+        parts[1] = wrong * (1 - share)
+        np.maximum(parts, 1e-12, out=parts)
+        np.log(parts, out=parts)
+        return parts[0], parts[1]
 
 
 def mahalanobis(residuals: Floats, covariances: Floats) -> tuple[Floats, Floats]:
-    """Return the squared distances and determinants for residuals (..., 3) and S (..., 3, 3).
+    """Return the squared distances and determinants for residuals (..., 3) and S (..., 3, 3)."""
+    shape = residuals.shape[:-1]
+    numbers = covariances.reshape(-1, 9).T[UPPER]
+    squared, determinant = squared_distances(residuals.reshape(-1, 3).T, numbers)
+    return squared.reshape(shape), determinant.reshape(shape)
+
+
+def squared_distances(residuals: Floats, numbers: Floats) -> tuple[Floats, Floats]:
+    """Return what `mahalanobis` does, (k,) each, of residuals (3, k) and xx xy xz yy yz zz (6, k).
 
     By the adjugate: NumPy's general inverse costs ten times as much on so many so small matrices.
     The six numbers of a symmetric matrix are rows of one array, as calls cost more than numbers.
     """
-    shape = residuals.shape[:-1]
-    s = covariances.reshape(-1, 9).T[_UPPER]
-    cofactors = s[_LEFT] * s[_RIGHT] - s[_LESS] * s[_TIMES]
-    determinant = np.maximum((s[:3] * cofactors[:3]).sum(axis=0), 1e-18)
-    r = residuals.reshape(-1, 3).T
-    squared = (cofactors * r[_FIRST] * r[_SECOND] * _TWICE).sum(axis=0) / determinant
-    return squared.reshape(shape), determinant.reshape(shape)
+    s, r = numbers, residuals
+    cofactors = s.take(_LEFT, axis=0)
+    cofactors *= s.take(_RIGHT, axis=0)
+    minus = s.take(_LESS, axis=0)
+    minus *= s.take(_TIMES, axis=0)
+    cofactors -= minus
+    determinant = np.maximum(_SUM((s[:3] * cofactors[:3]), axis=0), 1e-18)
+    cofactors *= r.take(_FIRST, axis=0)
+    cofactors *= r.take(_SECOND, axis=0)
+    cofactors *= _TWICE
+    return _SUM(cofactors, axis=0) / determinant, determinant
 
 
-_UPPER = np.array([0, 1, 2, 4, 5, 8])
+_SUM = np.add.reduce
+"""`ndarray.sum` goes a long way to this."""
+UPPER = np.array([0, 1, 2, 4, 5, 8])
 """The numbers xx xy xz yy yz zz of a flat symmetric matrix; below, its cofactors by them."""
+VARIANCES = np.array([0, 3, 5])
+"""Those on its diagonal."""
 _LEFT, _RIGHT = np.array([3, 2, 1, 0, 1, 0]), np.array([5, 4, 4, 5, 2, 3])
 _LESS, _TIMES = np.array([4, 1, 2, 2, 0, 1]), np.array([4, 5, 3, 2, 4, 1])
 _FIRST, _SECOND = np.array([0, 0, 0, 1, 1, 2]), np.array([0, 1, 2, 1, 2, 2])
@@ -243,13 +280,15 @@ def assign(scores: Floats, new_score: float) -> list[int]:
     n, m = scores.shape
     if n == 0 or m == 0:
         return [-1] * n
-    gain = np.maximum(scores - new_score, 0.0)
-    best = gain.argmax(axis=1)
-    wanted = [column for i, column in enumerate(best.tolist()) if gain[i, column] > 0]
+    best: list[int] = scores.argmax(axis=1).tolist()
+    top: list[float] = scores.max(axis=1).tolist()
+    first = [c if score > new_score else -1 for c, score in zip(best, top, strict=True)]
+    wanted = [column for column in first if column >= 0]
     if len(set(wanted)) == len(wanted):  # no two want the same: each has its best
-        return [column if gain[i, column] > 0 else -1 for i, column in enumerate(best.tolist())]
+        return first
     from scipy.optimize import linear_sum_assignment
 
+    gain = np.maximum(scores - new_score, 0.0)
     rows, columns = linear_sum_assignment(gain, maximize=True)
     taken = [-1] * n
     for row, column in zip(rows.tolist(), columns.tolist(), strict=True):

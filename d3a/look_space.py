@@ -40,12 +40,12 @@ class LookSpace:
 
     def add(self, looks: Features) -> None:
         """Learn what there is to see: looks (n, d); rows of zeros are none."""
-        known = looks[np.any(looks, axis=1)].astype(np.float64)
+        known = looks[looks.any(axis=1)].astype(np.float64)
         if len(known) == 0:
             return
         self._ready(looks.shape[1])
         self.sums[0] += known.sum(axis=0)
-        self.sums[1] += np.square(known).sum(axis=0)
+        self.sums[1] += (known * known).sum(axis=0)
         self.counts[0] += len(known)
 
     def add_same(self, look: Features, mean: Features, views: float) -> None:
@@ -65,9 +65,12 @@ class LookSpace:
             return looks
         centre, scale = self.scale
         moved = (looks - centre) * scale
-        length = np.sqrt(np.einsum("nd,nd->n", moved, moved))[:, None]
-        unit = moved / np.maximum(length, np.float32(1e-12))
-        return np.asarray(np.where(np.any(looks, axis=1, keepdims=True), unit, np.float32(0.0)))
+        length = np.sqrt(np.einsum("nd,nd->n", moved, moved))
+        moved /= np.maximum(length, np.float32(1e-12))[:, None]
+        known = looks.any(axis=1)
+        if not known.all():
+            moved[~known] = 0.0
+        return np.asarray(moved)
 
     def ready(self) -> int:
         """Take into use what is due, and return the scale's number: another one, another space.

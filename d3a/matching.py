@@ -7,88 +7,60 @@ localisation's error is common to all its detections, and drifts slowly), the se
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from d3a import likelihood
 from d3a.frame_offset import FrameOffset
-from d3a.likelihood import BESIDE, OTHER, SAME, CategoryModel, LookModel
+from d3a.likelihood import BESIDE, OTHER, SAME, UPPER, VARIANCES, CategoryModel, LookModel
 from d3a.look_space import LookSpace
 from d3a.memory import Known, Memory, Place
 from d3a.model import Pose
 from d3a.neighbours import REACH_M, Neighbours
+from d3a.observed import Observed
 from d3a.parameters import Parameters
-from d3a.tier1 import Thing
+from d3a.symmetric import of_rows
 
 Floats = NDArray[np.float64]
 NEVER = -1e9
 """Score of a pair that is not compared: out of the gate."""
-
-
-@dataclass(frozen=True, slots=True)
-class Observed:
-    """The things of a frame as arrays. Unknown positions are NaN, unknown looks zeros.
-
-    places: (n, 3). noise: (n, 3, 3), each detection's own. looks: (n, d), d = 0 without pictures.
-    """
-
-    things: tuple[Thing, ...]
-    places: Floats
-    noise: Floats
-    looks: NDArray[np.float32]
-
-    @property
-    def nowhere(self) -> NDArray[np.bool_]:
-        """(n,): which have no position."""
-        return np.isnan(self.places[:, 0])
-
-    @property
-    def boxes(self) -> Floats:
-        """(n, 4): in pixels."""
-        boxes = [thing.detection.box for thing in self.things]
-        return np.array(boxes, dtype=np.float64).reshape(-1, 4)
-
-    @classmethod
-    def of(cls, things: list[Thing], is_histogram: bool) -> Observed:
-        """Return the arrays of a frame's things."""
-        unknown = (math.nan,) * 3
-        detections = [thing.detection for thing in things]
-        places = np.array([d.position or unknown for d in detections], dtype=np.float64)
-        noise = np.array([d.covariance or (0.0,) * 9 for d in detections], dtype=np.float64)
-        found = [
-            None if d.embedding is None else likelihood.feature(d.embedding, is_histogram)
-            for d in detections
-        ]
-        length = next((len(row) for row in found if row is not None), 0)
-        none = np.zeros(length, dtype=np.float32)
-        looks = np.array([none if row is None else row for row in found], dtype=np.float32)
-        count = len(things)
-        return cls(
-            tuple(things),
-            places.reshape(count, 3),
-            noise.reshape(count, 3, 3),
-            looks.reshape(count, length),
-        )
-
 
 Match = tuple[Known, Place | None] | None
 """The thing and the place of it that a detection is at, None for a new thing."""
 
 
 @dataclass(frozen=True, slots=True)
+class Frame:
+    """What of a frame's things is the same for all that they are compared with.
+
+    places: (3, n). noise: (6, n), the numbers xx xy xz yy yz zz of each detection's own, corrected
+    by what is learned. placed: (n,), whose places tell what stands beside them. near: pairs of
+    things, both ways, that stand side by side.
+    """
+
+    observed: Observed
+    places: Floats
+    noise: Floats
+    placed: NDArray[np.bool_]
+    near: frozenset[tuple[int, int]]
+
+
+@dataclass(frozen=True, slots=True)
 class Gated:
     """Where rows of places go in a table of things: each thing's first, and its further ones.
 
-    rows: in the table of positions, by thing. columns: the thing of each. first, further: indices
-    of them. placeless: columns of things without a position. things: how many columns there are.
+    rows: in the table of positions, by thing; columns: those of that table. first: indices of
+    rows, and target, the thing that each is of. further: the same of things that moved, in turns
+    that have each thing once. placeless: columns of things without a position. things: how many.
     """
 
     rows: NDArray[np.intp]
-    columns: list[int]
+    columns: Floats
     first: list[int]
-    further: list[int]
+    target: list[int]
+    further: list[tuple[list[int], list[int]]]
     placeless: list[int]
     things: int
 
@@ -121,17 +93,20 @@ class Scoring:
         return np.asarray(np.logaddexp(self.agreed + place[0], self.differing + place[1]))
 
 
-def _is_placed(observed: Observed) -> NDArray[np.bool_]:
-    """Say which things (n,) have places precise enough to tell what stands beside them."""
-    sigma = np.sqrt(np.trace(observed.noise, axis1=1, axis2=2) / 3)
-    return np.asarray(sigma <= REACH_M / 2)
-
-
-def _apart(observed: Observed) -> Floats:
-    """Return the distances (n, n) between the things of a frame, NaN where unknown."""
-    places = np.where(_is_placed(observed)[:, None], observed.places, np.nan)
-    steps = places[:, None] - places[None]
-    return np.asarray(np.sqrt(np.sum(steps**2, axis=2)))
+def _beside(observed: Observed, placed: NDArray[np.bool_]) -> dict[tuple[int, int], float]:
+    """Return the pairs of a frame's things that stand side by side, and how far apart they are."""
+    found: dict[tuple[int, int], float] = {}
+    rows = observed.places.tolist()
+    known = [i for i in np.flatnonzero(placed).tolist() if not math.isnan(rows[i][0])]
+    for k, i in enumerate(known):
+        x, y, z = rows[i]
+        for j in known[:k]:
+            dx, dy, dz = x - rows[j][0], y - rows[j][1], z - rows[j][2]
+            if -REACH_M <= dx <= REACH_M and -REACH_M <= dy <= REACH_M:
+                apart_m = math.sqrt(dx * dx + dy * dy + dz * dz)
+                if apart_m <= REACH_M:
+                    found[j, i] = apart_m
+    return found
 
 
 class Matcher:
@@ -151,70 +126,77 @@ class Matcher:
         self.residuals = np.array([1.0, 1.0]) * parameters.noise_prior
         """Summed squared residuals by what was expected of them, and their number."""
 
-    def _scaled(self, observed: Observed, pose: Pose | None) -> Observed:
-        """Return the frame with its noise corrected by how far positions scatter in truth.
+    def _scale(self, pose: Pose | None) -> float:
+        """Return the correction of a frame's noise by how far positions scatter in truth.
 
         Learned from things that were recognised, so that precise positions separate neighbours.
         Without a pose a position and its covariance are the recording's own, and believed.
         """
         if pose is None:
-            return observed
+            return 1.0
         learned = float(self.residuals[0] / self.residuals[1])
-        scale = max(self._parameters.noise_least, learned)
-        return replace(observed, noise=observed.noise * scale)
+        return max(self._parameters.noise_least, learned)
 
     def match(self, observed: Observed, time_ms: int, pose: Pose | None) -> list[Match]:
         """Return for each observed thing what it is; updates the frame's offset."""
         self.offset.predict(time_ms, pose)
         if not observed.things:
             return []
-        observed = self._scaled(observed, pose)
-        apart = self._meet(observed)
+        frame = self._frame(observed, pose)
         self.space.add(observed.looks)
-        rows = self._gate(observed)
+        rows = self._gate(frame)
         things = self._candidates(observed, rows)
         if not things:
             return [None] * len(observed.things)
-        scoring = self._scoring(observed, things)
+        scoring = self._scoring(frame, things)
         gated = self._gated(things, rows)
-        place, at = self._place(observed, gated)
+        place, at = self._place(frame, gated)
         score = scoring.total(place)
         new = self._parameters.new_thing_odds
         taken = likelihood.assign(score, new)
-        if self._align(observed, things, taken, at):
-            place, at = self._place(observed, gated)
+        if self._align(frame, things, taken, at):
+            place, at = self._place(frame, gated)
             score = scoring.total(place)
             taken = likelihood.assign(score, new)
         if scoring.likeness is not None:
-            self._learn(observed, things, taken, scoring, scoring.without_look(place), apart)
+            self._learn(frame, things, taken, scoring.likeness, scoring.without_look(place))
         owners = self._memory.positions.owners
+        spots = at.tolist()
         return [
             None
             if column < 0
-            else (things[column], owners[at[i, column]][1] if at[i, column] >= 0 else None)
+            else (things[column], owners[spots[i][column]][1] if spots[i][column] >= 0 else None)
             for i, column in enumerate(taken)
         ]
 
-    def _meet(self, observed: Observed) -> Floats:
-        """Learn how near to each other things of different categories stand; give how near."""
-        names = np.array([thing.detection.category for thing in observed.things])
-        apart = _apart(observed)
-        self.neighbours.add(np.where(names[:, None] == names[None], np.nan, apart))
-        return apart
+    def _frame(self, observed: Observed, pose: Pose | None) -> Frame:
+        """Return the frame's own share, and learn how near to each other its things stand."""
+        noise = observed.noise.reshape(-1, 9).T[UPPER] * self._scale(pose)
+        sigma = np.sqrt((noise[0] + noise[3] + noise[5]) / 3)
+        placed = sigma <= REACH_M / 2
+        apart = _beside(observed, placed)
+        names = [thing.detection.category for thing in observed.things]
+        self.neighbours.add(
+            len(names), [apart_m for (i, j), apart_m in apart.items() if names[i] != names[j]]
+        )
+        near = frozenset([*apart, *((j, i) for i, j in apart)])
+        return Frame(observed, observed.places.T, noise, placed, near)
 
-    def _gate(self, observed: Observed) -> NDArray[np.intp]:
+    def _gate(self, frame: Frame) -> NDArray[np.intp]:
         """Return the rows of places that any detection may be at, by thing and place."""
         positions = self._memory.positions
-        if len(positions.owners) == 0:
-            return np.empty(0, dtype=np.intp)
-        axes = (0, 1, 2)
-        spread = positions.spread[:, axes, axes]
-        noise = (observed.noise + self.offset.covariance)[:, axes, axes]
-        away = (observed.places - self.offset.mean)[:, None] - positions.mean[None]
-        # Along each axis alone: no pair within the gate is outside of this, and it is quick.
-        reach = self._parameters.gate_sigmas**2 * (noise[:, None] + spread[None])
-        rows = np.flatnonzero(np.any(np.all(away**2 <= reach, axis=2), axis=0)).tolist()
         owners = positions.owners
+        if len(owners) == 0:
+            return np.empty(0, dtype=np.intp)
+        noise = frame.noise[VARIANCES] + self.offset.covariance.diagonal()[:, None]
+        places = frame.places - self.offset.mean[:, None]
+        away = places[:, :, None] - positions.columns[:3, None]
+        # Along each axis alone: no pair within the gate is outside of this, and it is quick.
+        reach = noise[:, :, None] + positions.variance[:, None]
+        reach *= self._parameters.gate_sigmas**2
+        away *= away
+        near = np.logical_and.reduce(away <= reach, axis=0)
+        rows = np.logical_or.reduce(near, axis=0).nonzero()[0].tolist()
         rows.sort(key=lambda row: (owners[row][0].number, owners[row][1].number))
         return np.array(rows, dtype=np.intp)
 
@@ -223,14 +205,17 @@ class Matcher:
 
         What has no position is near everything, and to a detection without one all are.
         """
+        known = self._memory.things
         if observed.nowhere.any():
-            return [self._memory.things[number] for number in sorted(self._memory.things)]
-        found = {self._memory.positions.owners[row][0].number for row in rows.tolist()}
-        found |= {thing.number for thing in self._memory.placeless()}
-        return [self._memory.things[number] for number in sorted(found)]
+            return [known[number] for number in sorted(known)]
+        owners = self._memory.positions.owners
+        found = {owners[row][0].number for row in rows.tolist()}
+        found.update(thing.number for thing in self._memory.placeless())
+        return [known[number] for number in sorted(found)]
 
-    def _scoring(self, observed: Observed, things: list[Known]) -> Scoring:
+    def _scoring(self, frame: Frame, things: list[Known]) -> Scoring:
         """Return the evidence of category and look; of a thing named twice one name may agree."""
+        observed = frame.observed
         names = [name for thing in observed.things for name in thing.votes]
         agreed, differing = self._categories.evidence(names, [thing.shares for thing in things])
         if len(names) > len(observed.things):
@@ -240,54 +225,69 @@ class Matcher:
         looks = self._memory.looks
         if observed.looks.shape[1] == 0 or looks.length == 0:
             return Scoring(agreed, differing)
-        pictured = np.array([thing.look_weight > 0 for thing in things])
-        known = np.any(observed.looks, axis=1, keepdims=True) & pictured
-        seen, kept = self.space.of(observed.looks), looks.units(things, self.space)
-        likeness = np.where(known, (seen @ kept.T).astype(np.float64), np.nan)
         views = np.array([thing.look_weight for thing in things])
-        same, beside = (
-            np.nan_to_num(self.looks.ratios(likeness, views, kind), nan=0.0)
-            for kind in (OTHER, BESIDE)
-        )
+        known = observed.pictured[:, None] & (views > 0)
+        is_known = known.all()
+        likeness = looks.likeness(observed.looks, things, self.space)
+        same, beside = self.looks.against(likeness, views, (OTHER, BESIDE))
+        if not is_known:
+            likeness[~known] = np.nan
+            same[~known] = beside[~known] = 0.0
         if self.one and any(told := [thing.object_id in self.one for thing in things]):
             same = np.where(told, np.maximum(same, 0.0), same)  # no look of its own to differ from
-        beside = np.where(_is_placed(observed)[:, None], beside, same)
+        if not frame.placed.all():
+            beside = np.where(frame.placed[:, None], beside, same)
         return Scoring(agreed, differing, same, beside, likeness)
 
     def _gated(self, things: list[Known], rows: NDArray[np.intp]) -> Gated:
         """Return the columns that the rows of places have in the table of these things."""
-        owners = self._memory.positions.owners
+        positions = self._memory.positions
         number = {thing.number: column for column, thing in enumerate(things)}
-        columns = [number[owners[row][0].number] for row in rows.tolist()]
         first: list[int] = []
-        further: list[int] = []
-        for k, column in enumerate(columns):  # rows are by thing
-            (further if k and column == columns[k - 1] else first).append(k)
-        placeless = [j for j, thing in enumerate(things) if all(p.row < 0 for p in thing.places)]
-        return Gated(rows, columns, first, further, placeless, len(things))
+        target: list[int] = []
+        further: list[tuple[list[int], list[int]]] = []
+        last, turn = -1, 0
+        for k, row in enumerate(rows.tolist()):  # they are by thing
+            column = number[positions.owners[row][0].number]
+            if column != last:
+                first.append(k)
+                target.append(column)
+                last, turn = column, 0
+                continue
+            if turn == len(further):
+                further.append(([], []))
+            further[turn][0].append(k)
+            further[turn][1].append(column)
+            turn += 1
+        placeless: list[int] = []
+        if len(first) < len(things):
+            placeless = [j for j, t in enumerate(things) if all(p.row < 0 for p in t.places)]
+        columns = positions.columns[:, rows]
+        return Gated(rows, columns, first, target, further, placeless, len(things))
 
-    def _place(self, observed: Observed, gated: Gated) -> tuple[Floats, NDArray[np.intp]]:
+    def _place(self, frame: Frame, gated: Gated) -> tuple[Floats, NDArray[np.intp]]:
         """Return the evidence of place, (2, n, m), and the row of the place it is of.
 
         First against another thing anywhere, then against one that stands beside. Row -1: none.
         """
-        shape = (len(observed.things), gated.things)
-        place = np.full((2, *shape), NEVER)
+        shape = (frame.places.shape[1], gated.things)
         at = np.full(shape, -1, dtype=np.intp)
-        rows, columns, first = gated.rows, gated.columns, gated.first
-        if len(rows):
-            ratios = self._place_ratios(observed, rows)
-            if not gated.further and len(first) == gated.things:
-                place, at[:] = ratios, rows
-            else:
-                target = [columns[k] for k in first]
-                place[:, :, target] = ratios[:, :, first]
-                at[:, target] = rows[first]
-            for k in gated.further:  # places of a thing that moved
-                better = ratios[0, :, k] > place[0, :, columns[k]]
-                place[:, better, columns[k]] = ratios[:, better, k]
-                at[better, columns[k]] = rows[k]
-        nowhere = observed.nowhere
+        rows = gated.rows
+        if len(rows) == gated.things == len(gated.first):
+            place = self._place_ratios(frame, gated.columns)
+            at[:] = rows
+        else:
+            place = np.full((2, *shape), NEVER)
+            if len(rows):
+                ratios = self._place_ratios(frame, gated.columns)
+                place[:, :, gated.target] = ratios[:, :, gated.first]
+                at[:, gated.target] = rows[gated.first]
+            for places, columns in gated.further:  # of things that moved
+                found, old = ratios[:, :, places], place[:, :, columns]
+                better = found[0] > old[0]
+                place[:, :, columns] = np.where(better, found, old)
+                at[:, columns] = np.where(better, rows[places], at[:, columns])
+        nowhere = frame.observed.nowhere
         if nowhere.any():
             place[:, nowhere] = 0.0
             at[nowhere] = -1
@@ -297,101 +297,87 @@ class Matcher:
 
     def _learn(
         self,
-        observed: Observed,
+        frame: Frame,
         things: list[Known],
         taken: list[int],
-        scoring: Scoring,
+        likeness: Floats,
         evidence: Floats,
-        apart: Floats,
     ) -> None:
         """Teach the look model by what place and category (`evidence`) decided without it."""
         least = self._parameters.plain_odds
-        confirmed = [thing.seen >= self._parameters.confirm_sightings for thing in things]
-        likeness = scoring.likeness
-        assert likeness is not None
+        speaks = evidence >= 0
+        rivals = (np.add.reduce(speaks, axis=1)[:, None] + np.add.reduce(speaks, axis=0)).tolist()
+        alike, decided = likeness.tolist(), evidence.tolist()
         for i, column in enumerate(taken):
-            if column < 0 or not confirmed[column]:
+            if column < 0 or things[column].seen < self._parameters.confirm_sightings:
                 continue
             thing = things[column]
-            for j in range(len(taken)):  # the other detections of this frame are other things
-                if j == i or math.isnan(likeness[j, column]):
+            for j, other in enumerate(taken):  # the frame's other detections are other things
+                if j == i or math.isnan(alike[j][column]):
                     continue
-                if taken[j] >= 0 and things[taken[j]].category == thing.category:
-                    self.looks.add(OTHER, float(likeness[j, column]), thing.look_weight)
-                elif apart[i, j] <= REACH_M:
-                    self.looks.add(BESIDE, float(likeness[j, column]), thing.look_weight)
-            rivals = np.concatenate(
-                [np.delete(evidence[i], column), np.delete(evidence[:, column], i)]
-            )
-            is_plain = evidence[i, column] >= least and (rivals < 0).all()
-            if is_plain and not math.isnan(likeness[i, column]):
-                self.looks.add(SAME, float(likeness[i, column]), thing.look_weight)
-                mean = self._memory.looks.rows([thing])[0]
-                self.space.add_same(observed.looks[i], mean, thing.look_weight)
+                if other >= 0 and things[other].category == thing.category:
+                    self.looks.add(OTHER, alike[j][column], thing.look_weight)
+                elif (i, j) in frame.near:
+                    self.looks.add(BESIDE, alike[j][column], thing.look_weight)
+            # itself speaks for it in its row and in its column
+            is_plain = decided[i][column] >= least and rivals[i][column] == 2
+            if is_plain and not math.isnan(alike[i][column]):
+                self.looks.add(SAME, alike[i][column], thing.look_weight)
+                mean = self._memory.looks.row(thing)
+                self.space.add_same(frame.observed.looks[i], mean, thing.look_weight)
 
-    def _place_ratios(self, observed: Observed, rows: NDArray[np.intp]) -> Floats:
-        """Return the evidence of place (2, n, rows) as `_place` does, NEVER out of the gate."""
-        positions = self._memory.positions
-        residuals = (observed.places - self.offset.mean)[:, None] - positions.mean[rows][None]
-        covariances = (observed.noise + self.offset.covariance)[:, None] + positions.spread[rows]
-        squared, determinant = likelihood.mahalanobis(residuals, covariances)
-        beside = self.neighbours.space_m3(np.sqrt(np.sum(residuals**2, axis=2)))
+    def _place_ratios(self, frame: Frame, columns: Floats) -> Floats:
+        """Return the evidence of place (2, n, k) as `_place` does, NEVER out of the gate."""
+        offset, parameters = self.offset, self._parameters
+        count = frame.places.shape[1]
+        noise = frame.noise + offset.covariance.reshape(9)[UPPER][:, None]
+        places = frame.places - offset.mean[:, None]
+        residuals = (places[:, :, None] - columns[:3, None]).reshape(3, -1)
+        covariances = (noise[:, :, None] + columns[3:, None]).reshape(6, -1)
+        squared, determinant = likelihood.squared_distances(residuals, covariances)
+        residuals *= residuals
+        beside = self.neighbours.space_m3(np.sqrt(np.add.reduce(residuals, axis=0)))
         ratios = likelihood.position_ratios(
-            squared, determinant, (self._parameters.space_m3, beside), self._parameters
+            squared, determinant, (parameters.space_m3, beside), parameters
         )
-        return np.where(squared <= self._parameters.gate_sigmas**2, ratios, NEVER)
+        ratios[:, ~(squared <= parameters.gate_sigmas**2)] = NEVER
+        return ratios.reshape(2, count, -1)
 
     def _align(
-        self,
-        observed: Observed,
-        things: list[Known],
-        taken: list[int],
-        at: NDArray[np.intp],
+        self, frame: Frame, things: list[Known], taken: list[int], at: NDArray[np.intp]
     ) -> bool:
         """Correct the frame's offset by what was recognised; say whether there was anything.
 
         Only what was seen before in another frame tells: a tentative thing may be a mistake.
         """
-        positions = self._memory.positions
+        if not self.offset.covariance.any():
+            return False
         pairs = [
-            (i, int(at[i, column]))
+            (i, row)
             for i, column in enumerate(taken)
             if column >= 0
-            and at[i, column] >= 0
             and things[column].seen >= self._parameters.confirm_sightings
+            and (row := int(at[i, column])) >= 0
         ]
-        if not pairs or not self.offset.covariance.any():
+        if not pairs:
             return False
         seen, rows = (list(each) for each in zip(*pairs, strict=True))
-        residuals = observed.places[seen] - positions.mean[rows]
-        self.offset.correct(residuals, observed.noise[seen] + positions.spread[rows])
+        columns = self._memory.positions.columns[:, rows]
+        residuals, noise = frame.places[:, seen] - columns[:3], frame.noise[:, seen] + columns[3:]
+        self.offset.correct(zip(residuals.T.tolist(), noise.T.tolist(), strict=True))
         return True
 
     def update(self, observed: Observed, pairs: list[tuple[int, Place]], pose: Pose | None) -> None:
-        """Move the matched places towards what was observed: Kalman, robust, all at once."""
-        positions = self._memory.positions
+        """Move the matched places towards what was observed: Kalman, robust."""
         if not pairs:
             return
-        observed = self._scaled(observed, pose)
-        seen = [i for i, _ in pairs]
-        rows = [place.row for _, place in pairs]
-        surface = np.eye(3) * self._parameters.object_spread_m**2
-        noise = observed.noise[seen] + self.offset.covariance
-        residuals = observed.places[seen] - self.offset.mean - positions.mean[rows]
-        squared, _ = likelihood.mahalanobis(residuals, noise + positions.spread[rows])
-        dof = self._parameters.outlier_dof
-        weight = np.minimum(1.0, (dof + 3) / (dof + squared))[:, None, None]
-        if pose is not None:
-            inside = squared[squared <= self._parameters.noise_gate]
-            self.residuals += (float(inside.sum()) / 3, len(inside))
-        error = positions.error[rows]
-        gain = error @ np.linalg.inv(error + (noise + surface) / weight)
-        positions.mean[rows] += np.einsum("nij,nj->ni", gain, residuals)
-        raw = observed.places[seen] - positions.raw[rows]
-        positions.raw[rows] += np.einsum("nij,nj->ni", gain, raw)
-        left = error - gain @ error
-        positions.error[rows] = (left + left.transpose(0, 2, 1)) / 2
-        positions.scale[rows] += np.stack(
-            [np.minimum(squared, self._parameters.gate_sigmas**2) / 3, np.ones(len(rows))], axis=1
-        )
-        positions.respread(rows, self._parameters)
+        positions = self._memory.positions
+        scale, mean = self._scale(pose), self.offset.mean.tolist()
+        shared = of_rows(self.offset.covariance.ravel().tolist())
+        for i, place in pairs:
+            own = of_rows(observed.noise[i].ravel().tolist())
+            noise = [n * scale + o for n, o in zip(own, shared, strict=True)]
+            where = observed.places[i].tolist()
+            squared = positions.pull(place.row, where, mean, noise, self._parameters)
+            if pose is not None and squared <= self._parameters.noise_gate:
+                self.residuals += (squared / 3, 1)

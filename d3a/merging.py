@@ -10,10 +10,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from d3a import likelihood
 from d3a.ledger import Ledger
-from d3a.likelihood import BESIDE, CategoryModel, LookModel
+from d3a.likelihood import BESIDE, OTHER, VARIANCES, CategoryModel, LookModel
 from d3a.look_space import LookSpace
 from d3a.memory import Known, Memory, Place
 from d3a.moves import rename
@@ -21,6 +22,8 @@ from d3a.neighbours import Neighbours
 from d3a.parameters import Parameters
 from d3a.sightings import Interval, joined
 from d3a.store.base import StayKey
+
+Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,64 +40,64 @@ class Evidence:
     def near(self, missed: list[Known], found: list[Known]) -> list[tuple[Known, list[Known]]]:
         """Return what was missed with those of the found things that are within its gate.
 
-        Things with names, several places or no position are left alone; so is what has none near.
+        Things with names, several places or no position are left alone; so is what has none near,
+        and what was seen beside the other.
         """
         ones, others = ([t for t in each if _is_simple(t)] for each in (missed, found))
         if not ones or not others:
             return []
-        positions = self.memory.positions
-        row, rows = ([thing.places[0].row for thing in each] for each in (ones, others))
-        away = positions.mean[row][:, None] - positions.mean[rows]
-        axes = (0, 1, 2)
-        variance = positions.spread[:, axes, axes]
+        away, spread = self._apart(ones, others)
         gate = self.parameters.gate_sigmas**2
-        reach = gate * (variance[row][:, None] + variance[rows])
-        near = np.all(away**2 <= reach, axis=2)  # no pair within the gate is outside of this
-        i, j = np.nonzero(near)
+        # no pair within the gate is outside of this
+        i, j = np.nonzero(np.logical_and.reduce(away**2 <= gate * spread[VARIANCES], axis=0))
         if len(i) == 0:
             return []
-        spread = positions.spread[np.array(row)[i]] + positions.spread[np.array(rows)[j]]
-        squared, _ = likelihood.mahalanobis(away[i, j], spread)
-        near[i, j] = squared <= gate
-        return [
-            (thing, [others[k] for k in np.flatnonzero(line).tolist()])
-            for thing, line in zip(ones, near, strict=True)
-            if line.any()
-        ]
+        squared, _ = likelihood.squared_distances(away[:, i, j], spread[:, i, j])
+        near: dict[int, list[Known]] = {}
+        for k in np.flatnonzero(squared <= gate).tolist():
+            one, other = ones[i[k]], others[j[k]]
+            if other is not one and other.number not in one.met:
+                near.setdefault(int(i[k]), []).append(other)
+        return [(ones[k], each) for k, each in near.items()]
 
-    def odds(self, thing: Known, other: Known) -> float:
-        """Return the log-odds that both, at one place each, are the same thing; by all but time."""
-        positions = self.memory.positions
-        row, at = thing.places[0].row, other.places[0].row
-        apart = positions.mean[row] - positions.mean[at]
-        spread = positions.spread[row] + positions.spread[at]
-        squared, determinant = likelihood.mahalanobis(apart, spread)
+    def _apart(self, ones: list[Known], others: list[Known]) -> tuple[Floats, Floats]:
+        """Return (3, n, m) how far apart things at one place each are, and (6, n, m) how surely."""
+        columns = self.memory.positions.columns
+        a, b = (columns[:, [t.places[0].row for t in each]] for each in (ones, others))
+        return a[:3, :, None] - b[:3, None], a[3:, :, None] + b[3:, None]
+
+    def odds(self, thing: Known, others: list[Known]) -> list[float]:
+        """Return the log-odds that a thing is each of some others, by all but time.
+
+        All are at one place each.
+        """
+        away, spread = (each[:, 0] for each in self._apart([thing], others))
+        squared, determinant = likelihood.squared_distances(away, spread)
         name = (thing.category, thing.weight / thing.seen)
-        agreed, differing = (
-            float(part[0, 0]) for part in self.categories.evidence([name], [other.shares])
-        )
-        space_m3 = self.neighbours.space_m3(np.array(np.linalg.norm(apart)))
-        place, beside = (
-            float(likelihood.position_ratio(squared, determinant, space, self.parameters))
-            for space in (self.parameters.space_m3, space_m3)
-        )
+        parts = self.categories.evidence([name], [other.shares for other in others])
+        agreed, differing = (part[0] for part in parts)
+        beside_m3 = self.neighbours.space_m3(np.sqrt((away**2).sum(axis=0)))
+        spaces = (self.parameters.space_m3, beside_m3)
+        place, beside = likelihood.position_ratios(squared, determinant, spaces, self.parameters)
         agreed, differing = agreed + place, differing + beside
-        a, b = self.memory.looks.of(thing), self.memory.looks.of(other)
-        if a is not None and b is not None:
-            views = np.array([min(thing.look_weight, other.look_weight)])
-            one, two = self.space.of(np.stack([a, b]))
-            likeness = np.array([[float(one @ two)]])
-            agreed += float(self.looks.ratios(likeness, views)[0, 0])
-            differing += float(self.looks.ratios(likeness, views, BESIDE)[0, 0])
-        return float(np.logaddexp(agreed, differing))
+        if thing.look_weight > 0 and any(other.look_weight > 0 for other in others):
+            looks, weights = self.memory.looks, np.array([other.look_weight for other in others])
+            likeness = looks.units(others, self.space) @ looks.units([thing], self.space)[0]
+            views = np.minimum(weights, thing.look_weight)
+            same = self.looks.against(likeness.astype(np.float64), views, (OTHER, BESIDE))[:, 0]
+            same[:, weights == 0] = 0.0
+            agreed, differing = agreed + same[0], differing + same[1]
+        odds: list[float] = np.logaddexp(agreed, differing).tolist()
+        return odds
 
 
 def likely_same(missed: Known, near: list[Known], evidence: Evidence) -> list[Known]:
     """Return which of the found things near a missed one it may be, the likeliest first."""
-    others = [thing for thing in near if thing is not missed and thing.number not in missed.met]
-    scored = [(evidence.odds(missed, thing), -thing.number, thing) for thing in others]
+    if not near:
+        return []
+    scored = zip(evidence.odds(missed, near), near, strict=True)
     likely = [each for each in scored if each[0] >= evidence.parameters.merge_odds]
-    return [thing for _, _, thing in sorted(likely, key=lambda each: each[:2], reverse=True)]
+    return [thing for _, thing in sorted(likely, key=lambda each: (-each[0], each[1].number))]
 
 
 def never_together(thing: Known, others: list[Known], ledger: Ledger) -> Known | None:

@@ -70,7 +70,6 @@ class Moves:
         fresh = {kind: [t for t in each if _is_unexplained(t)] for kind, each in of_kind.items()}
         for kind, news in fresh.items():
             self._compare([new for new in news if new.number not in self.compared], of_kind[kind])
-        density = self._densities()
         links: list[Link] = []
         for kind, each in of_kind.items():
             left = [(old, place) for old in each if (place := old.latest).misses > 0]
@@ -83,7 +82,7 @@ class Moves:
                 and (new.number in changed or old.number in changed)
             ]
             if pairs:
-                links += self._links(pairs, fresh[kind], left, density)
+                links += self._links(pairs, fresh[kind], left, self._densities())
         return sorted(links, key=lambda link: (link.new.number, link.old.number))
 
     def _alike(self, changed: set[int]) -> dict[str, list[Known]]:
@@ -222,7 +221,7 @@ def _merge(old: Known, new: Known, memory: Memory, parameters: Parameters) -> No
     old.met |= new.met
     old.places.append(place)
     if place.row >= 0:
-        memory.positions.owners[place.row] = (old, place)
+        memory.positions.give(place, old)
     memory.remove(new)
 
 

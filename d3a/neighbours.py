@@ -7,6 +7,9 @@ are two things, so every frame tells.
 
 from __future__ import annotations
 
+from bisect import bisect
+from collections.abc import Iterable
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -17,6 +20,8 @@ SHELLS_M = (0.0, 0.15, 0.3, 0.5, 0.8, 1.2)
 """Bounds of the distances that are told apart; beyond, things stand as anywhere in the home."""
 VOLUMES = np.diff(np.array(SHELLS_M) ** 3) * 4 / 3 * np.pi
 REACH_M = SHELLS_M[-1]
+_ENDS_M = SHELLS_M[1:]
+_ENDS = np.array(_ENDS_M)
 
 
 class Neighbours:
@@ -30,16 +35,20 @@ class Neighbours:
         self.seen: Floats = np.array([prior])
         """(1,): things around which was looked."""
 
-    def add(self, apart_m: Floats) -> None:
-        """Learn from a frame: distances (n, n) of its things, NaN between two of a category."""
-        self.seen += len(apart_m)
-        shells = np.searchsorted(SHELLS_M[1:], apart_m[apart_m < REACH_M], side="right")
-        self.pairs += np.bincount(shells, minlength=len(VOLUMES))
+    def add(self, things: int, apart_m: Iterable[float]) -> None:
+        """Learn from a frame of so many things: how far apart its pairs of two categories are."""
+        self.seen += things
+        counts = [0] * len(VOLUMES)
+        for each in apart_m:
+            if each < REACH_M:
+                counts[bisect(_ENDS_M, each)] += 2  # each is the other's neighbour
+        if any(counts):
+            self.pairs += counts
 
     def space_m3(self, apart_m: Floats) -> Floats:
         """Return the space in which one other thing is found at such distances, alike shaped."""
-        density = self.pairs / (VOLUMES * self.seen)
         anywhere = 1.0 / self._parameters.space_m3
-        by_shell = np.append(np.maximum(density, anywhere), anywhere)
-        shell = np.searchsorted(SHELLS_M[1:], apart_m, side="right")
-        return np.asarray(1.0 / by_shell[shell])
+        by_shell = np.empty(len(VOLUMES) + 1)
+        np.maximum(self.pairs / (VOLUMES * self.seen), anywhere, out=by_shell[:-1])
+        by_shell[-1] = anywhere
+        return np.asarray((1.0 / by_shell)[_ENDS.searchsorted(apart_m, side="right")])

@@ -284,15 +284,17 @@ def things(detections: Sequence[Detection], parameters: Parameters) -> list[Thin
     """
     if len(detections) < 2:
         return [Thing(d, ((d.category, d.probability),), (d,)) for d in detections]
-    overlap = iou(np.array([d.box for d in detections], dtype=np.float64))
-    free = np.ones(len(detections), dtype=bool)
+    free = dict.fromkeys(range(len(detections)))
     found = []
-    for i in sorted(range(len(detections)), key=lambda i: (-detections[i].probability, i)):
-        if not free[i]:
+    for i in sorted(free, key=lambda i: (-detections[i].probability, i)):
+        if i not in free:
             continue
-        same = np.flatnonzero(free & (overlap[i] >= parameters.double_box_iou)).tolist()
-        free[same] = False
-        rows = [detections[i], *(detections[j] for j in same if j != i)]
+        del free[i]
+        box = detections[i].box
+        same = [j for j in free if iou(box, detections[j].box) >= parameters.double_box_iou]
+        for j in same:
+            del free[j]
+        rows = [detections[i], *(detections[j] for j in same)]
         votes: dict[str, float] = {}
         for each in rows:
             votes[each.category] = max(votes.get(each.category, 0.0), each.probability)

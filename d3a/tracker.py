@@ -20,12 +20,13 @@ from d3a.encounters import Encounters
 from d3a.frame_offset import FrameOffset
 from d3a.ledger import Ledger
 from d3a.likelihood import CategoryModel
-from d3a.matching import Matcher, Observed
+from d3a.matching import Matcher
 from d3a.memory import Known, Memory, Place
 from d3a.memory_state import memory_of_state, memory_state
 from d3a.merging import Evidence, likely_same, merge, never_together
 from d3a.model import Json
 from d3a.moves import Moves, apply_link
+from d3a.observed import Observed
 from d3a.parameters import Parameters
 from d3a.recall import FIRST_NUMBER, Recall, is_histogram
 from d3a.reconcile import Corrected
@@ -130,7 +131,7 @@ class TrackerPipeline:
         for category, weight in found.votes:
             thing.vote(category, weight)
             self._categories.add(category, weight)
-        if observed.looks.shape[1] and observed.looks[i].any():
+        if observed.pictured[i]:
             weight = max(detection.probability, 1e-6)
             most = self._parameters.looks_remembered
             self._memory.looks.blend(thing, observed.looks[i], weight, most)
@@ -313,7 +314,7 @@ class TrackerPipeline:
         arrays["look_scale"] = self._matcher.space.scale
         arrays["others"] = self._moves.others
         arrays["residuals"] = self._matcher.residuals
-        arrays["doubt"] = self._categories.doubt
+        arrays["doubt"] = np.array(self._categories.doubt)
         arrays["neighbours"] = self._matcher.neighbours.pairs
         arrays["looked_around"] = self._matcher.neighbours.seen
         record |= {
@@ -343,7 +344,7 @@ class TrackerPipeline:
         self._now_ms = record["now_ms"]
         self._moves.others = np.array(arrays["others"])
         self._moves.compared = set(record["compared"])
-        self._categories.doubt = np.array(arrays["doubt"])
+        self._categories.doubt = (float(arrays["doubt"][0]), float(arrays["doubt"][1]))
         self._matcher.neighbours.pairs = np.array(arrays["neighbours"])
         self._matcher.neighbours.seen = np.array(arrays["looked_around"])
         self._categories.counts.update(record["categories"])

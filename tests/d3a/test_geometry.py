@@ -128,8 +128,9 @@ def test_heading_is_in_the_ground_plane() -> None:
 def test_boxes_are_cut_to_the_picture() -> None:
     assert geometry.clip_box((-5, 2, 10, 99), 64, 48) == (0.0, 2, 10, 48.0)
     assert geometry.clip_box((70, 2, 80, 9), 64, 48) is None
-    boxes = np.array([[0, 0, 2, 2], [1, 0, 3, 2], [5, 5, 6, 6]], float)
-    assert geometry.iou(boxes)[0].tolist() == pytest.approx([1.0, 1 / 3, 0.0])
+    one = (0.0, 0.0, 2.0, 2.0)
+    boxes = (one, (1.0, 0.0, 3.0, 2.0), (5.0, 5.0, 6.0, 6.0))
+    assert [geometry.iou(one, box) for box in boxes] == pytest.approx([1.0, 1 / 3, 0.0])
 
 
 def test_a_camera_of_another_size_is_its_own() -> None:

@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
+from scipy.optimize import linear_sum_assignment
 
 from d3a import likelihood
 from d3a.likelihood import BESIDE, OTHER, SAME, CategoryModel, LookModel
@@ -104,10 +105,8 @@ def test_a_detector_that_is_always_certain_is_wrong_as_often_as_any() -> None:
 def test_what_stands_side_by_side_is_learned_from_frames() -> None:
     model = Neighbours(DEFAULT)
     before = model.space_m3(np.array([0.2, 5.0]))
-    apart = np.full((3, 3), np.nan)
-    apart[0, 1] = apart[1, 0] = 0.2
     for _ in range(300):
-        model.add(apart)
+        model.add(3, [0.2, 2.5])
     after = model.space_m3(np.array([0.2, 5.0]))
     assert after[0] < before[0] == DEFAULT.beside_m3
     assert after[1] == before[1] == pytest.approx(SPACE)
@@ -116,7 +115,7 @@ def test_what_stands_side_by_side_is_learned_from_frames() -> None:
 def test_alone_in_the_room_there_are_no_neighbours() -> None:
     model = Neighbours(DEFAULT)
     for _ in range(2000):
-        model.add(np.full((1, 1), np.nan))
+        model.add(1, [])
     assert model.space_m3(np.array([0.2])) == pytest.approx(SPACE, rel=0.5)
 
 
@@ -158,12 +157,17 @@ def test_no_picture_stays_no_picture() -> None:
 
 
 @given(st.lists(st.lists(st.floats(-5, 5), min_size=3, max_size=3), min_size=1, max_size=4))
-def test_an_assignment_is_one_to_one_and_beats_new(rows: list[list[float]]) -> None:
+def test_an_assignment_is_one_to_one_beats_new_and_is_the_best(rows: list[list[float]]) -> None:
     scores = np.array(rows)
     taken = likelihood.assign(scores, 0.5)
     columns = [column for column in taken if column >= 0]
     assert len(columns) == len(set(columns))
     assert all(scores[i, column] > 0.5 for i, column in enumerate(taken) if column >= 0)
+    gain = np.maximum(scores - 0.5, 0.0)
+    best = gain[linear_sum_assignment(gain, maximize=True)].sum()
+    assert sum(gain[i, column] for i, column in enumerate(taken) if column >= 0) == pytest.approx(
+        best
+    )
 
 
 def test_the_best_sum_wins_over_the_best_pair() -> None:
