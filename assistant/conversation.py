@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Literal
 
 from assistant.asking import ask, ask_query, explain, failure, refusal, store_words
 from assistant.dialogue import Seen, follow, is_about_the_same, is_beside
-from assistant.phrases import definite, noun_of, numbered, term_of
+from assistant.phrases import definite, noun_of, numbered, tells_nothing, term_of
 from assistant.pointing import (
     AskedOf,
     Chosen,
@@ -44,6 +44,11 @@ if TYPE_CHECKING:
 Keep = Callable[[RankedKeyframe], bool]
 _THERE = re.compile(r"\b(?:it|they|them|one) there\b")
 _RETRY = frozenset({"again", "try again", "ask again", "retry", "once more"})
+_YES = frozenset(
+    {"yes", "yes please", "yes it is", "yes they are", "sure", "right", "correct", "do"}
+)
+_NO = frozenset({"no", "no thanks", "no thank you", "nope", "better not"})
+"""What is said to the one thing that was offered."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,7 +85,10 @@ class Conversation:
         A question that was not understood, or is about a thing that nobody knows, leaves the one
         before it in force.
         """
-        text = self._picked(text)
+        text, declined = self._picked(text), len(self._said.choices) == 1 and _plain(text) in _NO
+        if declined:
+            self._said = replace(self._said, choices=())
+            return self._beside_rows(text, "All right, I leave it as it is.", "found")
         teaching = None if looks_formal(text) else read_teaching(text)
         if teaching is not None:
             return self._offering(self._teach(text, teaching))
@@ -91,10 +99,11 @@ class Conversation:
 
     def _picked(self, text: str) -> str:
         """Return the choice that a number names, where choices were offered; else the text."""
-        said = text.strip().rstrip(".!").lower()
+        said, choices = _plain(text), self._said.choices
         if said in _RETRY and self._said.text:
             return self._said.text
-        choices = self._said.choices
+        if said in _YES and len(choices) == 1:
+            return choices[0]
         number = row_of(said) if len(said.split()) <= 3 else None
         if choices and number is not None and -1 <= number <= len(choices) and number != 0:
             return choices[number - 1 if number > 0 else -1]
@@ -119,6 +128,8 @@ class Conversation:
         refused = before.refused if same else ()
         meant = before.meant if same else None
         answer = self._as_meant(answer, refused, meant)
+        if tells_nothing(answer):  # what stands in the list would be all that was ever seen
+            answer = replace(answer, keyframes=(), count=0, truncated=False)
         self._said = _Said(heard, answer, refused, meant, text)
         self.pointer.to(told(answer))
         return answer
@@ -296,6 +307,10 @@ class Conversation:
         if said.last is not None and (spoken or said.last.text == text):
             text = write(said.last)
         return explain(self._store, text, now=self._now()).to_text()
+
+
+def _plain(text: str) -> str:
+    return " ".join(text.replace(",", " ").split()).rstrip(" .!").lower()
 
 
 def _is_of(row: RankedKeyframe, refused: RankedKeyframe) -> bool:

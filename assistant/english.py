@@ -78,6 +78,11 @@ def times(number: int) -> str:
     return f"{NUMBERS[number] if 0 <= number < len(NUMBERS) else number} times"
 
 
+def occasions(number: int) -> str:
+    """Return "once", "on two occasions": at how many times apart, not in how many pictures."""
+    return times(number) if number < 2 else f"on {counted(number, 'occasion')}"
+
+
 def listed(words: Sequence[str]) -> str:
     """Return "a", "a and b", "a, b and c"."""
     if len(words) < 2:

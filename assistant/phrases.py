@@ -248,6 +248,17 @@ def places_of(heads: list[RankedKeyframe]) -> int:
     return len({(k.object_id, k.position) for k in heads})
 
 
+def tells_nothing(answer: Answer) -> bool:
+    """Whether what was asked for is only where it is, and that cannot be told: all is nothing."""
+    query = answer.query
+    if query is None or answer.status != "found":
+        return False
+    conditions = (query.relation is not None) + (query.place is not None)
+    anything = term_of(query).category == ANYTHING and not term_of(query).attributes
+    listing = query.ask in ("what", "whether", "count")
+    return anything and listing and 0 < conditions <= len(answer.unjudged)
+
+
 def likely_of(answer: Answer) -> list[RankedKeyframe]:
     """Return the heads that are at least half as likely as the best: what is told as seen."""
     heads = heads_of(answer)

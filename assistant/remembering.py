@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from datetime import datetime
 
-from assistant.english import counted, listed
+from assistant.english import article, counted, listed
 from assistant.phrases import kind_of, whose
 from assistant.pointing import find_row, same_place
 from assistant.taught import (
@@ -32,6 +32,7 @@ from d3a.constraints import Correction
 from d3a.model import BadInput, Box
 from d3a.store.base import Store
 from d3a.taught_looks import teach_look
+from grammar import vocabulary
 from grammar.vocabulary import lexicon
 
 ROOM_M, SPOT_M = 2.0, 1.0
@@ -113,10 +114,32 @@ def _name(store: Store, said: Naming, scene: Scene, now: datetime) -> Learned | 
             return None
         store_teaching.forget_name(store, row.object_id, word, owner, at_ms=_ms(now))
         return Learned(f"I no longer take {row_name(row)} for “{_heard(said.said, row)}”; {BACK}.")
+    if not said.sure and _looks_otherwise(said.said, word, row, store):
+        looks = f"That looks like {article(kind_of(row))}."
+        ask_ = f"{looks} Shall I remember it as “{_heard(said.said, row)}” all the same?"
+        which = "it" if said.row is None else f"number {row.rank}"
+        sure = f"Call {which} {said.said} all the same"
+        return Learned(ask_, done=False, choices=(sure,))
     done = store_teaching.teach_name(store, row.object_id, word, owner, at_ms=_ms(now))
     if done.number == 0:
         return Learned(f"I know {row_name(row)} as “{_heard(said.said, row)}” already.")
     return Learned(f"I will remember {row_name(row)} as “{_heard(said.said, row)}”; {BACK}.")
+
+
+def _looks_otherwise(said: str, word: str, row: RankedKeyframe, store: Store) -> bool:
+    """Whether somebody's thing is of quite another kind than what the detector takes it for.
+
+    "That is a vase" corrects the detector; "my keys" may be said of the wrong row. A word that
+    the vocabulary has not may be anything's name.
+    """
+    noun = lexicon().known_noun(word) or lexicon().known_noun(word.rpartition(" ")[2])
+    if noun is None or said.startswith(("a ", "an ", "the ")):
+        return False
+    [thing] = store.objects(ids=[row.object_id], votes=True, embeddings=False)
+    kinds = {vocabulary.canonical(name) for name in (row.category, *dict(thing.categories))}
+    meant = vocabulary.canonical(noun)
+    wider = {meant, *vocabulary.broader(meant)}
+    return not any(wider & {kind, *vocabulary.broader(kind)} for kind in kinds)
 
 
 def _heard(said: str, row: RankedKeyframe) -> str:

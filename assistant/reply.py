@@ -10,6 +10,7 @@ from collections import Counter
 from collections.abc import Callable
 from datetime import datetime
 
+from assistant.caveats import is_open, left_out, sureness
 from assistant.english import (
     NUMBERS,
     article,
@@ -18,13 +19,12 @@ from assistant.english import (
     day_of,
     duration,
     listed,
+    occasions,
     sentence_case,
     slice_words,
-    times,
     when,
 )
 from assistant.phrases import (
-    at_place,
     condition_words,
     definite,
     described,
@@ -39,14 +39,15 @@ from assistant.phrases import (
     numbered,
     places_of,
     said_many,
+    tells_nothing,
     term_of,
     where_words,
 )
 from assistant.refusals import refusal_words
-from assistant.wording import NOT_SURE, how_sure
-from d3a.answer import Answer, RankedKeyframe, is_by_look
+from assistant.wording import NOT_SURE
+from d3a.answer import Answer, RankedKeyframe
 from d3a.colours import is_colour
-from grammar.forms import ANYTHING, Ask, FormalQuery, ObjectTerm, TimeSlice
+from grammar.forms import Ask, FormalQuery, ObjectTerm, TimeSlice
 
 _LEAST_WHOLE = 0.99
 """Shares of a thing's places that add up to less leave time for what may be the same thing."""
@@ -61,43 +62,28 @@ def sentence(answer: Answer, *, now: datetime) -> str:
     """
     if answer.query is None:
         return answer.answer or answer.message or ""
-    if answer.status == "found" and _is_all_unjudged(answer, answer.query):
-        parts = []
-    elif answer.status != "found":
-        parts = [refusal_words(answer, answer.query, now)]
-    else:
-        parts = [_ASKED[answer.query.ask](answer, answer.query, now)]
-        parts.append(_sureness(answer, answer.query))
-    if answer.unjudged:
-        parts.append(_unjudged(answer))
+    parts = [left_out(answer)]
+    if answer.status != "found":
+        parts.insert(0, refusal_words(answer, answer.query, now))
+    elif not tells_nothing(answer):
+        told = _ASKED[answer.query.ask](answer, answer.query, now)
+        said = [told, sureness(answer, answer.query)]
+        # what is left out turns a yes and a number into another; a place it leaves a place
+        parts = [*parts, *said] if answer.query.ask in ("whether", "count") else [*said, *parts]
     parts[:0] = [f"I read “{c.said}” as {c.taken}." for c in answer.query.corrections]
     return " ".join(part for part in parts if part)
 
 
-def _is_all_unjudged(answer: Answer, query: FormalQuery) -> bool:
-    """Whether what was asked for is only where it is, and that cannot be told: all is nothing."""
-    conditions = (query.relation is not None) + (query.place is not None)
-    anything = term_of(query).category == ANYTHING and not term_of(query).attributes
-    listing = query.ask in ("what", "whether", "count") and query.time is None
-    return anything and listing and 0 < conditions <= len(answer.unjudged)
-
-
-def _is_open(query: FormalQuery) -> bool:
-    """Whether the kinds found are news: anything was asked for, or several things at once."""
-    several = query.relation is None and len(query.objects) > 1
-    return several or term_of(query).category == ANYTHING
-
-
 def _whether(answer: Answer, query: FormalQuery, now: datetime) -> str:
-    if _is_open(query):
-        return f"{'No, there was:' if query.negated else 'Yes.'} {_what(answer, query, now)}"
+    if is_open(query):
+        return f"{_yes(answer, query)}{_what(answer, query, now)}"
     if query.time is not None and query.time.is_point and query.time.start is not None:
         return _whether_then(answer, query, query.time.start, now)
     term, condition = term_of(query), condition_words(answer, query)
     many = said_many(query, term)
     heads, newest = likely_of(answer), newest_of(answer)
     said = when(newest.end, now)
-    opening = "No, there was:" if query.negated else "Yes."
+    opening = _yes(answer, query)
     if term.quantity is not None:
         words = counted(answer.count, described(term, answer.unjudged))
         if answer.count < term.quantity:
@@ -109,7 +95,7 @@ def _whether(answer: Answer, query: FormalQuery, now: datetime) -> str:
         thing = words
         if answer.least < answer.count:
             least = counted(answer.least, described(term, answer.unjudged))
-            return f"{opening} I saw at least {least}{condition}, last {said}."
+            return f"{opening}I saw at least {least}{condition}, last {said}."
     else:
         thing = indefinite(term, found_words(answer, query), many=many)
     where = where_words(newest, query)
@@ -121,15 +107,22 @@ def _whether(answer: Answer, query: FormalQuery, now: datetime) -> str:
         return f"{told} I saw one that may be the same {since}."
     last = "last " if query.select == "last" else ""
     if len(heads) == 1 or last:
-        told = f"{opening} I {last}saw {thing}{condition} {said}{where}."
+        told = f"{opening}I {last}saw {thing}{condition} {said}{where}."
     else:
         number = places_of(heads)
         spread = counted(number, "place")
         further = places_of(heads_of(answer)) - number  # the table lists them too
         spread += f", maybe in {NUMBERS[further] if further < 11 else further} more" * bool(further)
-        more = f"{times(len(heads))}{' or more' if answer.truncated else ''}"
-        told = f"{opening} I saw {thing}{condition} {more} in {spread}, last {said}{where}."
+        more = f"{occasions(len(heads))}{' or more' if answer.truncated else ''}"
+        told = f"{opening}I saw {thing}{condition} {more} in {spread}, last {said}{where}."
     return f"{told} {gone_words(newest, now, many=many)}".strip()
+
+
+def _yes(answer: Answer, query: FormalQuery) -> str:
+    """Return the word before what was seen; none where that is only a part of what was asked."""
+    if answer.unjudged:
+        return ""
+    return "No, there was: " if query.negated else "Yes. "
 
 
 def _where(answer: Answer, query: FormalQuery, now: datetime) -> str:
@@ -189,9 +182,9 @@ def _whether_then(answer: Answer, query: FormalQuery, at: datetime, now: datetim
     heads, moment = likely_of(answer), slice_words(TimeSlice(at, at), now)
     during = next((k for k in heads if k.start <= at <= k.end), None)
     if during is not None:
-        opening = "No, there was:" if query.negated else "Yes."
         where = where_words(during, query)
-        return f"{opening} I was seeing {thing}{condition} {moment}{f', {where}' if where else ''}."
+        there = f", {where}" if where else ""
+        return f"{_yes(answer, query)}I was seeing {thing}{condition} {moment}{there}."
     before = max((k for k in heads if k.end < at), key=lambda k: (k.end, -k.rank), default=None)
     after = min((k for k in heads if k.start > at), key=lambda k: (k.start, k.rank), default=None)
     told = [f"I did not see {thing}{condition} {moment}."]
@@ -256,7 +249,7 @@ def _when(answer: Answer, query: FormalQuery, now: datetime) -> str:
     if len(heads) == 1:
         return f"{sentence_case(when(best.end, now))}{there}. I saw {thing} once."
     first = min(heads, key=lambda k: (k.start, k.rank)).start.astimezone(now.tzinfo)
-    more = f"{times(len(heads))}{' or more' if answer.truncated else ''}"
+    more = f"{occasions(len(heads))}{' or more' if answer.truncated else ''}"
     newest = when(newest_of(answer).end, now)
     opening = f"I saw {thing} {more}"
     return f"{opening}, first {day_of(first, now)} at {clock(first)} and last {newest}."
@@ -301,8 +294,8 @@ def _how_long(answer: Answer, query: FormalQuery, now: datetime) -> str:
 
 def _how_often(answer: Answer, query: FormalQuery, now: datetime) -> str:
     thing = definite(term_of(query), found_words(answer, query)) + condition_words(answer, query)
-    number = round(answer.value or 0)
-    return f"{sentence_case(times(number))}. I last saw {thing} {when(newest_of(answer).end, now)}."
+    often = sentence_case(occasions(round(answer.value or 0)))
+    return f"{often}. I last saw {thing} {when(newest_of(answer).end, now)}."
 
 
 def _moved(answer: Answer, query: FormalQuery, now: datetime) -> str:
@@ -335,45 +328,6 @@ def _among(told: list[str], answer: Answer) -> str:
     Each has commas of its own, so that they are parted by semicolons.
     """
     return f"{', among them' if len(told) < answer.count else ''}: {'; '.join(told)}"
-
-
-def _sureness(answer: Answer, query: FormalQuery) -> str:
-    """Return how sure the best keyframe is, in words with the reason."""
-    best, quantity = answer.keyframes[0], term_of(query).quantity
-    if query.ask not in ("whether", "where", "when") or query.select == "usual":
-        return ""
-    point = query.time is not None and query.time.is_point
-    if (
-        point
-        or answer.otherwise is not None
-        or _is_open(query)
-        or (quantity is not None and answer.least < quantity)
-    ):
-        return ""
-    if is_by_look(best.object_id):
-        return "It looks like it: I know it by its colours alone."
-    views = int(best.why.get("views", best.seen))
-    band = how_sure(best)
-    said = "This is a guess" if band == "a guess" else f"I am {band}"
-    rivals = [k for k in heads_of(answer)[1:] if k.object_id != best.object_id]
-    close = [k for k in rivals if k.score >= 0.8 * best.score]
-    if query.ask == "where" and close:
-        return _others(len({k.object_id for k in close}), said_many(query, term_of(query)))
-    return f"{said}: seen in {counted(views, 'picture')}."
-
-
-def _others(number: int, many: bool) -> str:
-    """Return how many things as likely there are: which one is meant, they cannot tell."""
-    said = NUMBERS[number] if number < len(NUMBERS) else str(number)
-    verb = "is" if number == 1 else "are"
-    return f"There {verb} {said} more {'they' if many else 'it'} could be."
-
-
-def _unjudged(answer: Answer) -> str:
-    """Return what this memory cannot tell of the question."""
-    place = answer.query.place if answer.query is not None else None
-    told = [at_place(place) if place and w == f"in the {place}" else w for w in answer.unjudged]
-    return f"I cannot tell what is {listed([f'“{words}”' for words in told])} here."
 
 
 _ASKED: dict[Ask, Callable[[Answer, FormalQuery, datetime], str]] = {

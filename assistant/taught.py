@@ -7,7 +7,7 @@ and never one that asks. It knows no store: what `this` points at, the conversat
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from grammar.vocabulary import lexicon
 
@@ -18,11 +18,15 @@ LAST = -1
 
 @dataclass(frozen=True, slots=True)
 class Naming:
-    """A thing is called so: said is "my keys", "anna's", "excalibur". isnt: it is not."""
+    """A thing is called so: said is "my keys", "anna's", "excalibur". isnt: it is not.
+
+    sure: also where it looks like something else.
+    """
 
     row: Row
     said: str
     isnt: bool = False
+    sure: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -150,6 +154,7 @@ _CALLED = re.compile(
     rf"(?:we |i )?(?:call|name) (?P<row>{_THIS}|{ROW}) (?P<said>.+)"
     rf"|(?P<row2>{_THIS}|{ROW}) (?:is|are) (?:called|named) (?P<said2>.+)"
 )
+_NAMED = re.compile(rf"(?P<plain>.+?){_SURE}")
 _IS = re.compile(rf"(?P<row>{_THIS}|{ROW}) (?:is|are) (?P<isnt>not )?(?P<said>.+)")
 _OWNED = re.compile(r"(?:my|our|your|[^\W\d_]+['\u2019]s?|[^\W\d_]+s['\u2019]) .+")
 _POSSESSIVE = re.compile(r"mine|ours|[^\W\d_]+['\u2019]s|[^\W\d_]+s['\u2019]")
@@ -177,7 +182,14 @@ def read_teaching(text: str) -> Teaching | None:
         return Boxing((x1, y1, x2, y2))
     if _UNDO.fullmatch(said):
         return Undoing()
-    return _same_or_not(said) or _place(said) or _name(said)
+    return _same_or_not(said) or _place(said) or _surely(said)
+
+
+def _surely(said: str) -> Teaching | None:
+    """Read a naming, and whether it is to hold all the same."""
+    found = _NAMED.fullmatch(said)
+    naming = _name(found["plain"]) if found else None
+    return replace(naming, sure=True) if naming and found and found["sure"] else naming
 
 
 def _plain(text: str) -> str:
@@ -245,7 +257,7 @@ def _is_place(noun: str) -> bool:
     return noun in places or any(noun.endswith(f"s {place}") for place in (*places, "room"))
 
 
-def _name(said: str) -> Teaching | None:
+def _name(said: str) -> Naming | None:
     if found := _BELONGS.fullmatch(said):
         owner = found["owner"]
         whose = "mine" if owner in ("me", "us") else f"{owner.removesuffix(chr(39) + 's')}'s"

@@ -9,6 +9,7 @@ from __future__ import annotations
 from datetime import UTC, datetime, timedelta
 from typing import TYPE_CHECKING
 
+from assistant.phrases import tells_nothing
 from assistant.terminal import clean, table
 
 if TYPE_CHECKING:
@@ -94,7 +95,7 @@ def answer_lines(answer: Answer, now: datetime, *, rows: int | None = None) -> l
     lines = [answer.answer or answer.message or ""]
     if answer.message and answer.message != answer.answer and answer.answer:
         lines.append(answer.message)
-    if answer.keyframes or answer.otherwise:
+    if (answer.keyframes or answer.otherwise) and not tells_nothing(answer):
         header = ["#", "what", "last seen", "where", "how sure", "views", "score", "frame"]
         instead = (answer.otherwise,) if answer.otherwise else ()
         shown = answer.keyframes[:rows] or instead

@@ -40,7 +40,7 @@ def exchange(answer: Answer) -> Text:
         notes.append("Did you mean (Down and Enter, or its number):")
     elif answer.suggestions:  # the list stays, so they stand here
         notes += [f"{i}  {clean(each)}" for i, each in enumerate(answer.suggestions, 1)]
-        notes.append("Type its number.")
+        notes.append("Type yes, or no." if len(answer.suggestions) == 1 else "Type its number.")
     return text.append("".join(f"\n{note}" for note in notes), style="not dim")
 
 

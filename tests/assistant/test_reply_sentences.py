@@ -57,20 +57,20 @@ def home() -> OracleStore:
 SAID = {
     "Did you see a red cup?": (
         "Yes. I saw a red cup today at 12:30, 6 hours ago, in the kitchen, next to the dining "
-        "table. I am fairly sure: seen in five pictures."
+        "table. I am fairly sure: seen five times."
     ),
     "Where is the blue cup?": (
         "In the living room, next to the couch. I last saw the blue cup there today at 15:30, 4 "
-        "hours ago. I am fairly sure: seen in five pictures."
+        "hours ago. I am fairly sure: seen five times."
     ),
     "Where is Anna's key?": (
         "In the living room, next to the couch. I last saw Anna's key there yesterday at 12:00, "
-        "31 hours ago. I am fairly sure: seen in five pictures."
+        "31 hours ago. I am fairly sure: seen five times."
     ),
     "Where is the bowl?": (
         "When I looked there again today at 13:40, it was gone. In the kitchen, next to the "
         "dining table. I last saw the bowl there today at 12:30, 6 hours ago. I am fairly sure: "
-        "seen in five pictures."
+        "seen five times."
     ),
     "Is there a bowl on the dining table?": (
         "No, not any more. I last saw the bowl today at 12:30, 6 hours ago, in the kitchen. When "
@@ -78,8 +78,8 @@ SAID = {
     ),
     "Was there a bowl on the dining table?": (
         "Yes. I saw a bowl on the dining table today at 12:30, 6 hours ago, in the kitchen. When "
-        "I looked there again today at 13:40, it was gone. I am fairly sure: seen in five "
-        "pictures."
+        "I looked there again today at 13:40, it was gone. I am fairly sure: seen once "
+        "then, five times in all."
     ),
     "Is there no bowl on the dining table?": (
         "That is right: I last saw the bowl today at 12:30, 6 hours ago, in the kitchen. When I "
@@ -88,7 +88,7 @@ SAID = {
     "Was there no bowl on the dining table?": (
         "No, there was: I saw a bowl on the dining table today at 12:30, 6 hours ago, in the "
         "kitchen. When I looked there again today at 13:40, it was gone. I am fairly sure: seen "
-        "in five pictures."
+        "once then, five times in all."
     ),
     "Is the blue cup in the kitchen?": (
         "No, not any more. I last saw the blue cup today at 15:30, 4 hours ago, in the living "
@@ -96,11 +96,11 @@ SAID = {
     ),
     "Is the red cup in the kitchen?": (
         "Yes. I last saw a red cup in the kitchen today at 12:30, 6 hours ago, next to the dining "
-        "table. I am fairly sure: seen in five pictures."
+        "table. I am fairly sure: seen five times."
     ),
     "Where are Anna's keys?": (
         "In the living room, next to the couch. I last saw Anna's keys there yesterday at 12:00, "
-        "31 hours ago. I am fairly sure: seen in five pictures."
+        "31 hours ago. I am fairly sure: seen five times."
     ),
     "Did you see keys today?": (
         "I did not see keys today. I saw some yesterday at 12:00, 31 hours ago, in the living "
@@ -113,7 +113,7 @@ SAID = {
     "Did you see glasses?": (
         "Yes. I saw a pair of glasses today at 15:30, 4 hours ago, in the living room, next to "
         "the couch. When I looked there again today at 15:45, they were gone. I am fairly sure: "
-        "seen in five pictures."
+        "seen five times."
     ),
     "Is anything missing?": (
         "Two things are no longer in place: the bowl, last seen in the kitchen, next to the "
@@ -128,9 +128,8 @@ SAID = {
     ),
     "What is on the living room table?": "I cannot tell what is “on the living room table” here.",
     "Is there a cup in the basement?": (
-        "Yes. I last saw a cup today at 15:30, 4 hours ago, in the living room, next to the "
-        "couch. I am fairly sure: seen in five pictures. I cannot tell what is “in the basement” "
-        "here."
+        "I cannot tell what is “in the basement” here. I last saw a cup today at 15:30, 4 hours "
+        "ago, in the living room, next to the couch. I am fairly sure: seen five times."
     ),
     "Is there no elephant?": (
         "That is right: I never saw an elephant. I last looked today at 15:40, 3 hours ago."
@@ -164,20 +163,21 @@ SAID = {
     ),
     "Did you see three cups?": "No. I saw only two cups, last today at 15:30, 4 hours ago.",
     "Did you see a wooden cup?": (
-        "Yes. I saw a cup three times in three places, last today at 15:30, 4 hours ago, in the "
-        "living room, next to the couch. I am fairly sure: seen in five pictures. I cannot tell "
-        "what is “wooden” here."
+        "I cannot tell what is “wooden” here. I saw a cup on three occasions in three places, last "
+        "today at 15:30, 4 hours ago, in the living room, next to the couch. I am fairly sure: seen "
+        "five times."
     ),
     "How long was the red cup in the kitchen?": (
         "About 30 minutes: that is how long I saw the red cup in the kitchen, last today at "
         "12:30, 6 hours ago."
     ),
     "How often did you see the blue cup?": (
-        "Twice. I last saw the blue cup today at 15:30, 4 hours ago."
+        "On two occasions. I last saw the blue cup today at 15:30, 4 hours ago."
     ),
     "When was the red cup together with the bowl?": (
         "Today at 12:08, 7 hours ago, in the kitchen, next to the dining table. I saw the red cup "
-        "with the bowl once. I am fairly sure: seen in five pictures."
+        "with the bowl once. I am fairly sure: seen once then, five "
+        "times in all."
     ),
     "Where are the couch and the bowl?": (
         "I last saw the couch today at 15:40, 3 hours ago, in the living room. I last saw the "

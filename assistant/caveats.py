@@ -1,0 +1,71 @@
+"""What an answer must say beside itself: how sure it is and why, and what it could not judge."""
+
+from __future__ import annotations
+
+from assistant.english import NUMBERS, listed, times
+from assistant.phrases import at_place, heads_of, newest_of, said_many, term_of
+from assistant.wording import how_sure
+from d3a.answer import Answer, RankedKeyframe, is_by_look
+from grammar.forms import ANYTHING, FormalQuery
+
+
+def is_open(query: FormalQuery) -> bool:
+    """Whether the kinds found are news: anything was asked for, or several things at once."""
+    several = query.relation is None and len(query.objects) > 1
+    return several or term_of(query).category == ANYTHING
+
+
+def sureness(answer: Answer, query: FormalQuery) -> str:
+    """Return how sure the best keyframe is, in words with the reason."""
+    best, quantity = answer.keyframes[0], term_of(query).quantity
+    if query.ask not in ("whether", "where", "when") or query.select == "usual":
+        return ""
+    point = query.time is not None and query.time.is_point
+    if (
+        point
+        or answer.otherwise is not None
+        or is_open(query)
+        or (quantity is not None and answer.least < quantity)
+    ):
+        return ""
+    if is_by_look(best.object_id):
+        return "It looks like it: I know it by its colours alone."
+    band = how_sure(best)
+    said = "This is a guess" if band == "a guess" else f"I am {band}"
+    rivals = [k for k in heads_of(answer)[1:] if k.object_id != best.object_id]
+    close = [k for k in rivals if k.score >= 0.8 * best.score]
+    if query.ask == "where" and close:
+        return _others(len({k.object_id for k in close}), said_many(query, term_of(query)))
+    return f"{said}: {_seen(answer, query, best)}."
+
+
+def _seen(answer: Answer, query: FormalQuery, best: RankedKeyframe) -> str:
+    """Return how often the best was seen, as its row says it, and there in all.
+
+    Where another row is told, or several are, the number of one is no reason.
+    """
+    views = max(int(best.why.get("views", best.seen)), best.seen)
+    told = query.ask == "where" or newest_of(answer) == best
+    if views == best.seen:
+        return f"seen {times(views)}"
+    return (
+        f"seen {times(best.seen)} then, {times(views)} in all"
+        if told
+        else (f"seen {times(views)} in all")
+    )
+
+
+def _others(number: int, many: bool) -> str:
+    """Return how many things as likely there are: which one is meant, they cannot tell."""
+    said = NUMBERS[number] if number < len(NUMBERS) else str(number)
+    verb = "is" if number == 1 else "are"
+    return f"There {verb} {said} more {'they' if many else 'it'} could be."
+
+
+def left_out(answer: Answer) -> str:
+    """Return what this memory cannot tell of the question; empty where it could judge all."""
+    if not answer.unjudged:
+        return ""
+    place = answer.query.place if answer.query is not None else None
+    told = [at_place(place) if place and w == f"in the {place}" else w for w in answer.unjudged]
+    return f"I cannot tell what is {listed([f'“{words}”' for words in told])} here."
