@@ -164,8 +164,8 @@ SAID = {
     "Did you see three cups?": "No. I saw only two cups, last today at 15:30, 4 hours ago.",
     "Did you see a wooden cup?": (
         "I cannot tell what is “wooden” here. I saw a cup on three occasions in three places, last "
-        "today at 15:30, 4 hours ago, in the living room, next to the couch. I am fairly sure: seen "
-        "five times."
+        "today at 15:30, 4 hours ago, in the living room, next to the couch. I am fairly sure: "
+        "seen five times."
     ),
     "How long was the red cup in the kitchen?": (
         "About 30 minutes: that is how long I saw the red cup in the kitchen, last today at "
