@@ -120,6 +120,7 @@ def evaluate_command(
 
 
 def _print(found: Evaluation) -> None:
+    from assistant.evaluation.paper import CONTRADICTIONS, contradictions
     from assistant.evaluation.tables import as_text
 
     for table in found.tables():
@@ -127,6 +128,10 @@ def _print(found: Evaluation) -> None:
         for note in table.notes:
             click.echo(f"  {note}")
         click.echo()
+    if found.exp2:
+        click.echo(CONTRADICTIONS)
+        for line in contradictions():
+            click.echo(f"  {line}")
 
 
 def _worlds(folders: tuple[Path, ...], seeds: str, hours: float) -> tuple[World, ...]:

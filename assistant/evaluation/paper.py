@@ -16,6 +16,7 @@ from d3a.metrics import accuracy
 from d3a.model import Json
 
 FORMS = ("Q1", "Q2", "Q3")
+CONTRADICTIONS = "Where the paper's own figures do not add up"
 
 
 @dataclass(frozen=True, slots=True)

@@ -62,6 +62,6 @@ def _contradictions() -> str:
     rows = "".join(f"<li>{escape(line)}</li>" for line in paper.contradictions())
     source = escape(paper.record()["source"])
     return (
-        "<h2>Where the paper's own figures do not add up</h2>"
+        f"<h2>{escape(paper.CONTRADICTIONS)}</h2>"
         f'<ul>{rows}</ul><p class="note">Figures typed from {source}.</p>'
     )

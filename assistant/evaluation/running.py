@@ -106,8 +106,9 @@ def evaluate(
 ) -> Evaluation:
     """Run experiments on worlds; write report.html and results.json where a folder is named.
 
-    worlds: None for the development seeds at 3 h. Exp 3 takes the first seed at 22 h, Exp 4 the
-    first world, Exp 1 the first three: a given recording has no codes, and takes no part in it.
+    worlds: None for the development seeds at 3 h. Exp 1 takes the first three: a given recording
+    has no codes, and takes no part in it. Exp 3 takes the first three, simulated ones at 22 h;
+    Exp 4 the first world.
     count: queries of each form and world. work: where simulated recordings are kept for another
     run; None forgets them. Raises BadInput (also where matplotlib is missing and a report is
     asked for) and StoreError.
@@ -139,12 +140,11 @@ def _run(
     count: int,
 ) -> Evaluation:
     coded = [world for world in worlds if world.folder is None][:3]
-    first = worlds[0]
-    long = first if first.folder else World(first.seed, max(first.hours, LONG_HOURS))
+    long = [w if w.folder else World(w.seed, max(w.hours, LONG_HOURS)) for w in worlds[:3]]
     sizes = {
         "exp1": len(coded) * len(exp1.RATES) * len(exp1.METHODS),
         "exp2": len(worlds) * len(METHODS),
-        "exp3": len(exp3.METHODS),
+        "exp3": len(long) * len(exp3.METHODS),
         "exp4": len(exp4.METHODS),
     }
     steps = Steps(progress, sum(sizes[name] for name in which))
@@ -155,8 +155,8 @@ def _run(
         exp2=tuple(exp2.run(worlds, work, steps, reading=reading, count=count))
         if "exp2" in which
         else (),
-        exp3=tuple(exp3.run([long], work, steps)) if "exp3" in which else (),
-        exp4=tuple(exp4.run(first, work, steps)) if "exp4" in which else (),
+        exp3=tuple(exp3.run(long, work, steps)) if "exp3" in which else (),
+        exp4=tuple(exp4.run(worlds[0], work, steps)) if "exp4" in which else (),
     )
 
 

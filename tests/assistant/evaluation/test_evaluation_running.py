@@ -185,6 +185,17 @@ def test_naive_grows_by_its_detections_and_the_tiers_by_less(work: Path, source:
         assert list(growth.stays) == sorted(growth.stays)
 
 
+def test_growth_is_told_as_mean_and_deviation_as_far_as_all_worlds_go(work: Path) -> None:
+    worlds = [SMALL, World(seed=4, hours=1.2)]
+    grown = exp3.run(worlds, work, Steps(running.quiet, 4), methods=(NAIVE, OURS))
+    table = tables.exp3(grown)
+    assert [row[0] for row in table.rows] == [NAIVE.title, OURS.title]
+    assert table.head[1:3] == ("1 h", "per hour")
+    first, second = (g.stays[0] for g in grown if g.method == NAIVE)
+    assert table.rows[0][1] == tables.spread([first, second], 0)
+    assert "seed 3, seed 4" in table.notes[1]
+
+
 def test_nights_are_no_working_hours(work: Path) -> None:
     far = recorded(World(seed=1, hours=6.0), "nominal", work, depth=False)
     assert exp3.WorkingHours(far.truth).whole == 6  # 5.5 h on one day, half an hour on the next
