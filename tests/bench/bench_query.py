@@ -7,7 +7,8 @@ Without a store, a simulated world of so many hours is written and ingested firs
 and 95th percentile in ms over all questions and rounds, the slowest questions, and how many
 questions a second a batch answers. --naive fills a second store of the same world, in which every
 detection is an object (the paper's Naive, with every index that ours has), and prints how much
-longer retrieval and ranking of all keyframes take on it at the rung Category.
+longer retrieval and ranking of all keyframes take on it at the rung Category, beside how many
+keyframes either tells.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ import sys
 import tempfile
 import time
 from contextlib import closing
+from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
 
@@ -139,41 +141,76 @@ def measure(store: Store, rounds: int, batch: int) -> None:
     )
 
 
+@dataclass(frozen=True)
+class Retrieved:
+    """Retrieval and ranking of one question: processor time in ms, keyframes that it told."""
+
+    ms: float
+    told: int
+
+
 def against_naive(store: Store, naive: Store, rounds: int) -> None:
-    """Print retrieval and ranking of all keyframes at the rung Category, on both stores."""
+    """Print retrieval and ranking of all keyframes at the rung Category, on both stores.
+
+    Beside it how many keyframes either tells: where all are told, the ratio cannot be much above
+    that of their numbers, whatever a question costs that finds none.
+    """
     counts = naive.counts()
     say(f"naive: {counts['objects']} objects, {counts['sightings']} sightings")
     now = store_now(store, "last", _no_clock)
     for name, anew in (("read anew", True), ("kept from the question before", False)):
-        spent = np.array(
-            [[_retrieval(s, q, now, rounds, anew) for s in (store, naive)] for q in COMPARED]
-        )
+        pairs = [
+            (_retrieved(store, q, now, rounds, anew), _retrieved(naive, q, now, rounds, anew))
+            for q in COMPARED
+        ]
         say(f"naive / ours at Category, {name}:")
-        for question, (ours, theirs) in zip(COMPARED, spent.tolist(), strict=True):
-            say(f"  {theirs / ours:6.1f} x  {ours:6.2f} against {theirs:7.2f} ms  {question}")
-        sums = spent.sum(axis=0)
-        median = float(np.median(spent[:, 1] / spent[:, 0]))
-        say(f"  {median:6.1f} x is the median, {sums[1] / sums[0]:.1f} x of the sums  (goal 20)")
+        for question, (ours, theirs) in zip(COMPARED, pairs, strict=True):
+            told = f"{ours.told} against {theirs.told}, {_ratio(ours.told, theirs.told)}"
+            say(
+                f"  {theirs.ms / ours.ms:6.1f} x  {ours.ms:6.2f} against {theirs.ms:7.2f} ms  "
+                f"keyframes {told:26}  {question}"
+            )
+        ours_ms, theirs_ms = (sum(pair[k].ms for pair in pairs) for k in (0, 1))
+        median = float(np.median([theirs.ms / ours.ms for ours, theirs in pairs]))
+        known = [theirs.told / ours.told for ours, theirs in pairs if ours.told]
+        say(
+            f"  {median:6.1f} x is the median, {theirs_ms / ours_ms:.1f} x of the sums  (goal 20); "
+            f"keyframes: {float(np.median(known)):.1f} x is the median"
+        )
+        each = [_each([pair[k] for pair in pairs]) for k in (0, 1)]
+        say(f"           processor: ours {each[0]}, theirs {each[1]}")
 
 
-def _retrieval(store: Store, question: str, now: datetime, rounds: int, anew: bool) -> float:
-    """Return the median processor time in ms of the steps that find and rank."""
+def _ratio(ours: int, theirs: int) -> str:
+    return f"{theirs / ours:.1f} x" if ours else "-"
+
+
+def _each(questions: list[Retrieved]) -> str:
+    """Return what a keyframe costs, and what a question does beside, by least squares."""
+    told = np.array([[one.told, 1.0] for one in questions])
+    each, fixed = np.linalg.lstsq(told, np.array([one.ms for one in questions]), rcond=None)[0]
+    return f"{each * 1000:.0f} us a keyframe and {max(fixed, 0.0):.2f} ms a question"
+
+
+def _retrieved(store: Store, question: str, now: datetime, rounds: int, anew: bool) -> Retrieved:
+    """Return the median of the steps that find and rank."""
     query = read_question(store, question, now=now)
     parameters = store_parameters(store)
     steps = plan(query, parameters=parameters, precision="category").steps
     kept = Plan(query, tuple(step for step in steps if isinstance(step, RETRIEVING)))
-    spent = []
+    spent, told = [], 0
     for _ in range(rounds + 1):
         if anew:
             forget()
         facts = Facts(store)
         worked = time.process_time()
-        execute(
+        answer = execute(
             kept, store, VocabularyLexicon(), now=now, limit=EVERYTHING, parameters=parameters,
             facts=facts,
         )  # fmt: skip
         spent.append((time.process_time() - worked) * 1000)
-    return float(np.median(spent[1:]))
+        told = len(answer.keyframes)
+    return Retrieved(float(np.median(spent[1:])), told)
 
 
 def _no_clock() -> datetime:
