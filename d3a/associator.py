@@ -33,7 +33,6 @@ from d3a.store.base import (
     RecordingRecord,
     Region,
     Store,
-    StoreConflict,
     StoreError,
     StoreRefused,
     TaughtName,
@@ -122,7 +121,10 @@ def check_filled_alike(store: Store, parameters: Parameters, embedding_model: st
 
 
 class Associator:
-    """Feeds scenes to the tiers of the profile and writes checkpoints to the store."""
+    """Feeds scenes to the tiers of the profile and writes checkpoints to the store.
+
+    fence: of the lease that this ingest holds on the store; without it nothing is written.
+    """
 
     def __init__(
         self,
@@ -131,6 +133,7 @@ class Associator:
         facts: RecordingFacts,
         key: str,
         embedding_model: str,
+        fence: int,
     ) -> None:
         check_filled_alike(store, parameters, embedding_model)
         self._store = store
@@ -138,6 +141,7 @@ class Associator:
         self._facts = facts
         self._key = key
         self._model = embedding_model
+        self._fence = fence
         self._ledger = Ledger(store)
         self._pictures = Pictures(parameters)
         self._coverage = Coverage(parameters, facts.site, facts.name)
@@ -225,22 +229,19 @@ class Associator:
 
     def checkpoint(self, reader_skipped: Skipped, *, done: bool = False) -> None:
         """Write everything so far to the store, in one batch that becomes visible at once."""
-        taught = self._ledger.taught()
-        self._pipeline.take_names(taught)
+        self._pipeline.take_names(self._ledger.taught())
         self._pipeline.write()
         if self._coverage.open is not None:
             self._ledger.put_view(self._coverage.open)
         if done:
             self._coverage.open = None
         fields = self._ledger.batch_fields()
-        fields["objects"] = [
-            replace(record, names=taught.get(record.object_id, ())) for record in fields["objects"]
-        ]
         wanted = {r.image for r in (*fields["sightings"], *fields["encounters"]) if r.image}
         keyframes = self._pictures.take(wanted | self._pipeline.images(), self.skipped)
         for kind in ("sightings", "encounters"):
             fields[kind] = [self._without_unreadable(record) for record in fields[kind]]
-        history = self._apply(fields, keyframes, reader_skipped, done=done)
+        with self._store.turn():
+            history = self._apply(fields, keyframes, reader_skipped, done=done)
         self._ledger.clear()
         if done:
             self._store.collect_keyframes(sorted(history.pictures()))
@@ -253,45 +254,44 @@ class Associator:
         *,
         done: bool,
     ) -> History:
-        """Write what was seen, under what people have said by now; return their history."""
-        known = self._corrections
-        while True:
-            if self._store.meta(FORGOTTEN) != self._forgotten:
-                raise ForgottenMeanwhile(
-                    f"{self._store.uri}: something was forgotten while this ingest ran; run it "
-                    "again, and it goes on from its last checkpoint without that"
-                )
-            self._said = self._store.meta(SAID)
-            history = History.read(self._store)
-            try:
-                made = reconcile(self._store, history, known, fields, self.skipped, self._said)
-            except StoreConflict:
-                continue
-            self._pipeline.correct(made.changed)
-            self._pipeline.take_constraints(made.history.constraints())
-            self._corrections = made.history.moving()
-            counts = Skipped()
-            counts.join(reader_skipped)
-            counts.join(self.skipped)
-            left_out = tuple(sorted(counts.counts.items()))
-            self.record = replace(self.record, done=done, skipped=left_out)
-            meta = self._meta() | made.meta
-            if history.serial > 0:
-                meta |= acknowledged(made.history, done=done)
-            batch = Batch(
-                **made.fields,
-                keyframes=keyframes,
-                regions=self._regions(made.history.constraints()),
-                recordings=[self.record],
-                meta=meta,
-                state=self._state(done),
-                expects=Expected({SAID: self._said, FORGOTTEN: self._forgotten}),
+        """Write what was seen, under what people have said by now; return their history.
+
+        In a turn: people speak before it or after it, however often they do.
+        """
+        if self._store.meta(FORGOTTEN) != self._forgotten:
+            raise ForgottenMeanwhile(
+                f"{self._store.uri}: something was forgotten while this ingest ran; run it "
+                "again, and it goes on from its last checkpoint without that"
             )
-            try:
-                self._store.apply(batch)
-            except StoreConflict:
-                continue  # somebody has just said something: that goes on top as well
-            return made.history
+        taught = self._ledger.taught()
+        fields["objects"] = [
+            replace(record, names=taught.get(record.object_id, ())) for record in fields["objects"]
+        ]
+        history = History.read(self._store)
+        made = reconcile(self._store, history, self._corrections, fields, self.skipped)
+        self._pipeline.correct(made.changed)
+        self._pipeline.take_constraints(made.history.constraints())
+        self._corrections = made.history.moving()
+        counts = Skipped()
+        counts.join(reader_skipped)
+        counts.join(self.skipped)
+        left_out = tuple(sorted(counts.counts.items()))
+        self.record = replace(self.record, done=done, skipped=left_out)
+        meta = self._meta() | made.meta
+        if history.serial > 0:
+            meta |= acknowledged(made.history, done=done)
+        self._said = self._store.meta(SAID)
+        batch = Batch(
+            **made.fields,
+            keyframes=keyframes,
+            regions=self._regions(made.history.constraints()),
+            recordings=[self.record],
+            meta=meta,
+            state=self._state(done),
+            expects=Expected(fence=self._fence),
+        )
+        self._store.apply(batch)
+        return made.history
 
     def _without_unreadable(self, record: Any) -> Any:
         return replace(record, image=None) if record.image in self._pictures.unreadable else record

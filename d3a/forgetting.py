@@ -19,7 +19,7 @@ from d3a.forgotten_pictures import Pictures, pictures_of
 from d3a.ledger import encounter_key
 from d3a.match import Lexicon
 from d3a.model import BadInput, Json
-from d3a.store.base import Batch, Expected, Store
+from d3a.store.base import Batch, Expected, Store, StoreConflict
 
 PERSON = "person"
 
@@ -58,6 +58,7 @@ class ForgetPlan:
     would change.
     """
 
+    selection: Selection
     batch: Batch = field(repr=False)
     lost: tuple[Lost, ...]
     objects: int
@@ -95,6 +96,7 @@ def plan_forgetting(store: Store, selection: Selection) -> ForgetPlan:
     sizes = [len(picture.jpeg) for key in pictures.gone if (picture := store.keyframe(key))]
     looks = [r.embedding.nbytes for r in removal.gone_objects.values() if r.embedding is not None]
     return ForgetPlan(
+        selection=selection,
         batch=batch,
         lost=_lost(removal),
         objects=len(removal.gone_objects),
@@ -110,16 +112,34 @@ def plan_forgetting(store: Store, selection: Selection) -> ForgetPlan:
     )
 
 
-def forget(store: Store, plan: ForgetPlan) -> bool:
+@dataclass(frozen=True, slots=True)
+class Forgotten:
+    """What went. is_anew: another wrote since the plan was shown, so that it was planned anew.
+
+    is_scrubbed: no byte of it is left in the store's files; False: a server frees its own space.
+    """
+
+    plan: ForgetPlan
+    is_anew: bool
+    is_scrubbed: bool
+
+
+def forget(store: Store, plan: ForgetPlan) -> Forgotten:
     """Carry a plan out, and scrub the store.
 
-    Returns whether no byte is left in its files; False: a server frees its space by itself.
-    Raises StoreConflict where an ingest or a person wrote since the plan was made: plan anew; an
-    ingest that runs meanwhile stops at its next checkpoint, and goes on when it is run again.
+    Where an ingest or a person wrote since the plan was made, the same selection is planned again,
+    while nobody can write: what they brought of it goes too. An ingest that runs meanwhile writes
+    nothing of what it remembers: it ends at its next frame, and goes on from its checkpoint.
     Raises StoreError; where only the scrubbing failed, `finish_scrubbing` does it later.
     """
-    store.apply(plan.batch)
-    return finish_scrubbing(store)
+    is_anew = False
+    with store.turn():
+        try:
+            store.apply(plan.batch)
+        except StoreConflict:
+            plan, is_anew = plan_forgetting(store, plan.selection), True
+            store.apply(plan.batch)
+    return Forgotten(plan, is_anew, finish_scrubbing(store))
 
 
 def finish_scrubbing(store: Store) -> bool:
@@ -157,6 +177,7 @@ def _batch(
     encounters = {encounter_key(r): r for r in written["encounters"]} | pictures.encounters
     times = store.meta(FORGOTTEN) or 0
     meta: Json = {FORGOTTEN: times + 1, UNSCRUBBED: True}
+    meta[SAID] = (store.meta(SAID) or 0) + 1  # an ingest that runs is to look
     if gone_categories:
         known = store.meta("categories") or ()
         meta["categories"] = [name for name in known if name not in gone_categories]

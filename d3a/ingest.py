@@ -25,6 +25,7 @@ from d3a.readers.base import Follower, Reader, RecordingFacts, Skipped
 from d3a.retention import retain
 from d3a.sieve import Sieve, Sifted
 from d3a.store.base import Region, Store
+from d3a.store.lease import Lease, leased
 
 Progress = Callable[[int, int | None], None]
 """Called with the frames done and their number, None where that is unknown."""
@@ -99,10 +100,11 @@ def ingest(
     live: for a reader that follows a recording as it grows. jobs: where scenes are made; the store
     is the same.
     Raises BadInput for a recording without frames or detections, StoreError where the store fails
-    or was filled with other parameters.
+    or was filled with other parameters, StoreBusy where another ingest fills it.
     """
     run = _Run(reader, store, parameters, detector, embedder, intake, live, jobs)
-    return run.go(on_progress, max_frames, assignments)
+    with leased(store, f"an ingest of {reader.facts.name!r}") as lease:
+        return run.go(lease, on_progress, max_frames, assignments)
 
 
 class _Run:
@@ -146,9 +148,13 @@ class _Run:
         self._forgotten = 0
 
     def go(
-        self, on_progress: Progress | None, max_frames: int | None, assignments: Path | None
+        self,
+        lease: Lease,
+        on_progress: Progress | None,
+        max_frames: int | None,
+        assignments: Path | None,
     ) -> IngestSummary:
-        frames, associator = self._begin()
+        frames, associator = self._begin(lease)
         had = associator.record
         log = AssignmentLog.open(assignments, associator.consumed, had.frames > 0)
         with closing(self._readied(self._sifted(frames, associator))) as readied:
@@ -167,7 +173,7 @@ class _Run:
             self._forgotten = 0 if old is None else old.intervals
         return self._summary(associator, had.frames)
 
-    def _begin(self) -> tuple[Iterator[Frame | None], Associator]:
+    def _begin(self, lease: Lease) -> tuple[Iterator[Frame | None], Associator]:
         """Return the recording's frames, and the associator where the store has them up to now."""
         check_filled_alike(self._store, self._parameters, self._model)
         frames: Iterator[Frame | None] = iter(self._reader)
@@ -185,7 +191,7 @@ class _Run:
             classes=tuple(n for n in self._detector.classes if not self._intake.ignores(n)),
         )
         self._preparation = self._prepared_for(facts)
-        associator = Associator(self._store, self._parameters, facts, key, self._model)
+        associator = Associator(self._store, self._parameters, facts, key, self._model, lease.fence)
         return chain([first], frames), associator
 
     def _take_all(

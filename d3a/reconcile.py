@@ -12,8 +12,6 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from d3a.constraints import (
-    HISTORY,
-    SAID,
     Correction,
     History,
     history_meta,
@@ -26,7 +24,7 @@ from d3a.corrections import do_merge, do_split, origin_of, parameters_of, undone
 from d3a.model import BadInput
 from d3a.portion import Portion, difference
 from d3a.readers.base import Skipped
-from d3a.store.base import Batch, Expected, StayKey, Store, StoreConflict, StoreError
+from d3a.store.base import Batch, StayKey, Store
 
 LOST = "a correction that no longer applies"
 _OWN = {"objects": ("object_id",), "stays": ("object_id",), "sightings": ("object_id",)} | {
@@ -109,18 +107,17 @@ def reconcile(
     known: frozenset[int],
     fields: dict[str, Any],
     skipped: Skipped,
-    said: Any,
 ) -> Reconciled:
-    """Put the corrections that an ingest does not know on top of what it is to write.
+    """Put the corrections that an ingest does not know on top of what it is to write, in a turn.
 
     fields: the batch's writes, made without them. A correction of what is no more is counted as
-    left out. said: how much people had said when the history was read; raises StoreConflict where
-    somebody has spoken since.
+    left out.
     """
     if not history.news(known):
         return Reconciled(fields, {}, history, Corrected())
-    news, now = _read(store, history, known, said)
+    news = [with_records(store, each) for each in history.news(known)]
     ids = {object_id for each in news for object_id in each.ids()}
+    now = Portion.read(store, ids)
     undone_ones = {each.number for each in history.undone}
     then = _rolled_back(now, news, undone_ones)
     sealed = {name for each in news if each.is_sealed for name in each.ids()}
@@ -144,23 +141,6 @@ def reconcile(
     joined = {name: [*rest.get(name, ()), *own.get(name, ())] for name in {**rest, **own}}
     newer, meta = _kept(history, done)
     return Reconciled(joined, meta, newer, changed)
-
-
-def _read(
-    store: Store, history: History, known: frozenset[int], said: Any
-) -> tuple[list[Correction], Portion]:
-    """Return the corrections with their records, and what the store holds of their objects."""
-    late = "somebody has just said something of it"
-    try:
-        news = [with_records(store, each) for each in history.news(known)]
-        now = Portion.read(store, {object_id for each in news for object_id in each.ids()})
-    except StoreError as error:
-        if store.meta(SAID) == said:
-            raise
-        raise StoreConflict(f"{store.uri}: {late}") from error
-    if store.meta(SAID) != said:
-        raise StoreConflict(f"{store.uri}: {late}")
-    return news, now
 
 
 def acknowledged(history: History, *, done: bool) -> dict[str, Any]:
@@ -284,15 +264,9 @@ def _kept(history: History, done: Sequence[Correction]) -> tuple[History, dict[s
 
 def take_in(store: Store) -> History:
     """Return the history as an ingest begins; who undoes some of it now leaves word of that."""
-    while True:
-        said = store.meta(HISTORY)
+    with store.turn():
         history = History.read(store)
-        if history.serial == 0:
-            return history
-        known = replace(history, seen=history.serial)
-        batch = Batch(meta=history_meta(known), expects=Expected({HISTORY: said}))
-        try:
-            store.apply(batch)
-        except StoreConflict:
-            continue  # somebody has just said something
-        return known
+        if history.serial > 0:
+            history = replace(history, seen=history.serial)
+            store.apply(Batch(meta=history_meta(history)))
+    return history

@@ -56,6 +56,4 @@ def retain(store: Store) -> ForgetPlan | None:
     """Apply the store's own policy; return what went, None where nothing had to."""
     seconds = retention_of(store)
     plan = None if seconds is None else plan_retention(store, seconds)
-    if plan is not None:
-        forget(store, plan)
-    return plan
+    return None if plan is None else forget(store, plan).plan

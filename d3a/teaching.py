@@ -22,7 +22,6 @@ from dataclasses import replace as with_changes
 from typing import Any
 
 from d3a.constraints import (
-    HISTORY,
     SAID,
     Correction,
     History,
@@ -50,17 +49,13 @@ from d3a.rooms import (
 )
 from d3a.store.base import (
     Batch,
-    Expected,
     ObjectRecord,
     Region,
     Store,
-    StoreConflict,
     TaughtName,
 )
 from d3a.two_things import measured_looks
 
-TRIES = 8
-"""So often a correction is worked out anew because an ingest wrote in between."""
 _Made = tuple[Correction, dict[str, Any]]
 
 
@@ -262,8 +257,7 @@ def undo(store: Store) -> Correction:
     """
     last: list[Correction] = []
 
-    def make(_: History) -> Batch:
-        past = History.read(store)
+    def make(past: History) -> Batch:
         open_ones = [each for each in past.entries if not each.is_sealed]
         if not open_ones:
             raise UnknownThing("there is nothing to undo")
@@ -304,22 +298,12 @@ def commit(store: Store, make: Callable[[int], _Made]) -> Correction:
 
 
 def _apply(store: Store, make: Callable[[History], Batch | None]) -> None:
-    """Apply what `make` reads and makes; again where somebody wrote in the meantime."""
-    for left in reversed(range(TRIES)):
-        count = store.meta(SAID)
-        read = {SAID: count, HISTORY: store.meta(HISTORY)}
-        expected = Expected(read, tuple(store.recordings()))
+    """Apply what `make` reads and makes; nobody writes in between."""
+    with store.turn():
         batch = make(History.read(store))
-        if batch is None:
-            return
-        try:
-            meta = {**batch.meta, SAID: (count or 0) + 1}
-            store.apply(with_changes(batch, meta=meta, expects=expected))
-        except StoreConflict:
-            if left == 0:
-                raise
-        else:
-            return
+        if batch is not None:
+            meta = {**batch.meta, SAID: (store.meta(SAID) or 0) + 1}
+            store.apply(with_changes(batch, meta=meta))
 
 
 def _object(store: Store, object_id: str) -> ObjectRecord:

@@ -63,6 +63,8 @@ def command(
 
     Status: 0 done, 1 there was nothing of it, 2 usage, 3 the store cannot be reached.
     """
+    from d3a.retention import set_retention
+
     settings = settings_of(context)
     text = " ".join(words).strip()
     timed = (before, after, between)
@@ -82,7 +84,9 @@ def command(
         _settle(context, settings, plan, sure=yes or dry_run or _is_harmless(plan))
         scrubbed = None
         if not dry_run:
-            scrubbed = _carry_out(store, plan, retain is not None, seconds)
+            plan, scrubbed = _carry_out(settings, store, plan)
+            if retain is not None:
+                set_retention(store, seconds)
         _tell(settings, plan, scrubbed, dry_run=dry_run, as_json=as_json, retain=retain)
     nothing = _is_harmless(plan) and retain is None
     if nothing and not settings.quiet:
@@ -158,19 +162,18 @@ def _settle(
 
 
 def _carry_out(
-    store: Store, plan: ForgetPlan | None, sets_policy: bool, seconds: int | None
-) -> bool | None:
+    settings: Settings, store: Store, plan: ForgetPlan | None
+) -> tuple[ForgetPlan | None, bool | None]:
+    """Return what went, which may be more than was shown, and whether no byte of it is left."""
     from d3a.forgetting import forget
-    from d3a.retention import set_retention
-    from d3a.store.base import StoreConflict
 
-    try:
-        scrubbed = None if plan is None or plan.is_empty else forget(store, plan)
-    except StoreConflict as error:
-        raise Failure(f"{error}; nothing was forgotten: run it again", ExitCode.STORE) from error
-    if sets_policy:
-        set_retention(store, seconds)
-    return scrubbed
+    if plan is None or plan.is_empty:
+        return plan, None
+    done = forget(store, plan)
+    if done.is_anew and not settings.quiet:
+        said = "somebody wrote to the store meanwhile; what that brought of it is forgotten too"
+        click.echo(f"note: {said}", err=True)
+    return done.plan, done.is_scrubbed
 
 
 def _tell(

@@ -7,13 +7,14 @@ at both ends. Every write is an absolute put or a removal, so that a batch may b
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager
 from dataclasses import dataclass, field
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from d3a.model import D3AError, Json
+from d3a.model import Json
 from d3a.store.documents import (
     Encounter,
     Keyframe,
@@ -26,6 +27,16 @@ from d3a.store.documents import (
     TaughtName,
     View,
 )
+from d3a.store.errors import (
+    StoreBusy,
+    StoreConflict,
+    StoreError,
+    StoreRefused,
+    StoreUnreachable,
+)
+
+if TYPE_CHECKING:
+    from d3a.store.lease import Lease
 
 __all__ = [
     "SCHEMA",
@@ -42,6 +53,7 @@ __all__ = [
     "StayKey",
     "StayRecord",
     "Store",
+    "StoreBusy",
     "StoreConflict",
     "StoreError",
     "StoreRefused",
@@ -53,28 +65,16 @@ __all__ = [
 SCHEMA = 1
 
 
-class StoreError(D3AError):
-    """The store failed or refused; the message says which store, why, and what would do."""
-
-
-class StoreUnreachable(StoreError):  # noqa: N818
-    """The store cannot be opened or reached; passwords in its URI are masked."""
-
-
-class StoreRefused(StoreError):  # noqa: N818
-    """A record is outside of the limits of the store (see `limits.py`)."""
-
-
-class StoreConflict(StoreError):  # noqa: N818
-    """Another wrote what a batch was made from: read again, and make it anew."""
-
-
 @dataclass(frozen=True, slots=True)
 class Expected:
-    """What a writer read: values of the meta by key, None for none; recordings, None: any."""
+    """What must hold still, None: whatever it is.
+
+    meta: values by key, None for none. recordings: all of them. fence: of the store's lease.
+    """
 
     meta: Mapping[str, Any] = field(default_factory=dict)
     recordings: tuple[RecordingRecord, ...] | None = None
+    fence: int | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -144,8 +144,28 @@ class Store(Protocol):
         ...
 
     # writing
+    def turn(self) -> AbstractContextManager[object]:
+        """Keep all other writers away: what is read within still holds when it is written.
+
+        For milliseconds; turns of one thread nest. What is applied within is committed when the
+        outermost ends, or (a server) at once. Raises StoreBusy where another does not end its turn.
+        """
+        ...
+
     def apply(self, batch: Batch) -> None:
         """Apply a batch; returns after the commit. Applying it again changes nothing."""
+        ...
+
+    def lease(self) -> Lease | None:
+        """Return who ingests or did last, None for nobody yet. It is no part of the content."""
+        ...
+
+    def put_lease(self, lease: Lease) -> None:
+        """Keep another lease; in a turn, for `store/lease.py`."""
+        ...
+
+    def clock_ms(self) -> int:
+        """Return what time leases go by: that of the server, where there is one."""
         ...
 
     def collect_keyframes(self, keep: Sequence[str] = ()) -> int:

@@ -18,3 +18,7 @@ def check_expected(store: Store, batch: Batch) -> None:
             raise StoreConflict(f"{store.uri}: {key!r} was written by another meanwhile")
     if expected.recordings is not None and tuple(store.recordings()) != expected.recordings:
         raise StoreConflict(f"{store.uri}: an ingest wrote to it meanwhile")
+    lease = store.lease() if expected.fence is not None else None
+    if expected.fence is not None and (lease is None or lease.fence != expected.fence):
+        other = "nobody" if lease is None else lease.told()
+        raise StoreConflict(f"{store.uri}: this ingest has lost the store to another: {other}")

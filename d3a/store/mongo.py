@@ -39,11 +39,14 @@ from d3a.store.base import (
     View,
 )
 from d3a.store.expected import check_expected
+from d3a.store.lease import Lease
 from d3a.store.limits import check_batch
+from d3a.store.mongo_apply import Applier
 from d3a.store.mongo_documents import Document
-from d3a.store.mongo_journal import Entry, Journal, join_parts
+from d3a.store.mongo_journal import join_parts
 from d3a.store.mongo_read import Find
-from d3a.store.mongo_write import Writer, in_parts
+from d3a.store.mongo_turn import LEASE, lease_of, server_ms
+from d3a.store.mongo_write import embedding_kind, in_parts
 from d3a.store.newest import ByReading
 from d3a.store.records import Picture, Record, dump_records
 
@@ -71,9 +74,7 @@ class MongoStore(ByReading):
         self._client = client
         self._db = database
         self._translated = translated
-        self._writer = Writer(database)
-        self._journal = Journal(database)
-        self._unfinished = False
+        self._applier = Applier(database)
         self._lock = threading.RLock()
         self._observer: Callable[[NativeQuery], None] | None = None
 
@@ -83,44 +84,50 @@ class MongoStore(ByReading):
 
     # writing
     @contextmanager
-    def _writing(self) -> Iterator[None]:
+    def turn(self) -> Iterator[None]:
+        """Be the one writer; see `Applier.turn`."""
         if self._read_only:
             raise StoreError(f"{self.uri}: it was opened for reading only")
-        with self._lock, self._translated(self.uri):
+        with self._lock, self._translated(self.uri), self._applier.turn():
             yield
 
     def apply(self, batch: Batch) -> None:
         """Apply a batch; returns when a majority of the servers has it in their journals."""
         check_batch(batch)
-        with self._writing():
-            if self._unfinished:
-                self.recover()
+        with self.turn():
             check_expected(self, batch)
-            self._writer.check(batch)
-            entry = Entry(batch, self._writer.put_bytes(batch))
-            self._unfinished = True
-            self._journal.write(entry)
-            self._writer.write(entry)
-            self._journal.done()
-            self._unfinished = False
+            self._applier.apply(batch)
 
     def recover(self) -> None:
         """Apply again what a writer has written down and not finished."""
-        with self._writing():
-            entry = self._journal.pending()
-            if entry is not None:
-                self._writer.write(entry)
-            self._journal.done()
-            self._unfinished = False
+        with self.turn():
+            self._applier.finish()
+
+    def lease(self) -> Lease | None:
+        """Return who ingests or did last."""
+        with self._translated(self.uri):
+            return lease_of(self._db, LEASE)
+
+    def put_lease(self, lease: Lease) -> None:
+        """Keep another lease."""
+        with self.turn():
+            self._applier.keep()
+            self._db["meta"].replace_one({"_id": LEASE}, lease.to_json(), upsert=True)
+
+    def clock_ms(self) -> int:
+        """Return the server's time."""
+        with self._translated(self.uri):
+            return server_ms(self._db)
 
     def collect_keyframes(self, keep: Sequence[str] = ()) -> int:
         """Remove pictures that nothing refers to, but for `keep`; count them."""
-        with self._writing():
+        with self.turn():
             unused = set(self.keyframe_keys()) - mongo_check.images(self._db) - set(keep)
-            return sum(
-                self._db["keyframes"].delete_many({"_id": {"$in": part}}).deleted_count
-                for part in in_parts(sorted(unused))
-            )
+            removed = 0
+            for part in in_parts(sorted(unused)):
+                self._applier.keep()
+                removed += self._db["keyframes"].delete_many({"_id": {"$in": part}}).deleted_count
+            return removed
 
     def scrub(self) -> bool:
         """Return False: a server frees the space of removed documents at its own pace."""
@@ -185,7 +192,7 @@ class MongoStore(ByReading):
         asked = Find({"emb": {"$exists": True}}, {"emb": 1})
         found = sorted(self._find("oic", asked), key=lambda document: str(document["_id"]))[:limit]
         with self._translated(self.uri):
-            kind = self._writer.embedding_kind()
+            kind = embedding_kind(self._db)
         matrix = np.zeros((len(found), kind.length if kind else 0), dtype=np.float32)
         for row, document in zip(matrix, found, strict=True):
             row[:] = documents.embedding(document["emb"])
@@ -328,9 +335,7 @@ class MongoStore(ByReading):
 
     def repair(self) -> list[str]:
         """Mend what `check` finds, where it can be; a sentence for each change."""
-        with self._writing():
-            if self._unfinished:
-                self.recover()
+        with self.turn():
             return mongo_repair.repair(self._db)
 
     def tracing(self, observer: Callable[[NativeQuery], None] | None) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -11,7 +11,8 @@ from pymongo.database import Database
 
 from d3a.store import mongo_documents as documents
 from d3a.store.base import Batch, Sighting, StayKey, StayRecord, StoreError
-from d3a.store.limits import EmbeddingKind, check_referred, embedding_kind, referred
+from d3a.store.limits import EmbeddingKind, check_referred, referred
+from d3a.store.limits import embedding_kind as kind_with
 from d3a.store.mongo_documents import MAX_INTERVALS, Document
 from d3a.store.mongo_journal import Entry, StatePointer, write_parts
 from d3a.store.records import meta_json
@@ -54,11 +55,21 @@ def in_parts(values: Iterable[Any]) -> Iterator[list[Any]]:
         yield every[at : at + SENT_AT_ONCE]
 
 
-class Writer:
-    """Writes batches into a database; the caller keeps the journal."""
+def embedding_kind(database: Database[Document]) -> EmbeddingKind | None:
+    """Return what fills the embeddings of a store."""
+    found = database["meta"].find_one({"_id": "d3a:embedding"})
+    return EmbeddingKind(found["model"], found["length"]) if found else None
 
-    def __init__(self, database: Database[Document]) -> None:
+
+class Writer:
+    """Writes batches into a database; the caller keeps the journal.
+
+    keep: called before each command that writes; it raises where this client may write no more.
+    """
+
+    def __init__(self, database: Database[Document], keep: Callable[[], None]) -> None:
         self._db = database
+        self._keep = keep
 
     def check(self, batch: Batch) -> None:
         """Raise StoreRefused for records that refer to what is not stored."""
@@ -75,17 +86,13 @@ class Writer:
             for document in self._db["stc"].find({"_id": {"$in": part}}, {"_id": 1})
         ]
         check_referred(batch, found, known)
-        embedding_kind(batch, self.embedding_kind())
-
-    def embedding_kind(self) -> EmbeddingKind | None:
-        """Return what fills the embeddings of the store."""
-        found = self._db["meta"].find_one({"_id": "d3a:embedding"})
-        return EmbeddingKind(found["model"], found["length"]) if found else None
+        kind_with(batch, embedding_kind(self._db))
 
     def put_bytes(self, batch: Batch) -> StatePointer | None:
         """Store pictures and checkpoint ahead of the batch that refers to them."""
         for keyframe in batch.keyframes:  # one by one: each may be megabytes
             document = documents.keyframe_document(keyframe)
+            self._keep()
             self._db["keyframes"].replace_one({"_id": keyframe.key}, document, upsert=True)
         return None if batch.state is None else write_parts(self._db["state"], batch.state)
 
@@ -93,7 +100,7 @@ class Writer:
         """Apply an entry of the journal: removals, then puts, what is referred to first."""
         batch = entry.batch
         self._remove(batch)
-        kind = embedding_kind(batch, None)
+        kind = kind_with(batch, None)
         if kind is not None:
             about = {"_id": "d3a:embedding", "model": kind.model, "length": kind.length}
             self._put("meta", [about])
@@ -113,16 +120,19 @@ class Writer:
         self._put("meta", [{"_id": f"meta:{k}", "value": meta_json(v)} for k, v in kept])
         gone = [f"meta:{key}" for key, value in batch.meta.items() if value is None]
         if gone:
-            self._db["meta"].delete_many({"_id": {"$in": gone}})
+            self._bulk("meta", [DeleteMany({"_id": {"$in": gone}})])
 
     def _turn_to_state(self, state: StatePointer) -> None:
         self._put("meta", [{"_id": "d3a:state", "digest": state.digest, "parts": state.parts}])
-        self._db["state"].delete_many({"digest": {"$ne": state.digest}})
+        self._bulk("state", [DeleteMany({"digest": {"$ne": state.digest}})])
 
     def _bulk(self, name: str, operations: Iterable[Operation]) -> int:
         """Send the operations in order and return how many found their document."""
-        results = [self._db[name].bulk_write(p, ordered=True) for p in in_parts(operations)]
-        return sum(result.matched_count for result in results)
+        matched = 0
+        for part in in_parts(operations):
+            self._keep()
+            matched += self._db[name].bulk_write(part, ordered=True).matched_count
+        return matched
 
     def _put(self, name: str, puts: Iterable[Document]) -> None:
         last = {put["_id"]: put for put in puts}  # of two puts of one key the later one counts
@@ -245,7 +255,7 @@ class Writer:
         shared: Document = {name: first[name] for name in ("site", "z", "loc") if name in first}
         document: Document = {**_new_part(stay, seq), **shared}
         key = {"_id": documents.stay_id(stay, seq)}
-        self._db["stc"].update_one(key, {"$setOnInsert": document}, upsert=True)
+        self._bulk("stc", [UpdateOne(key, {"$setOnInsert": document}, upsert=True)])
 
 
 def _new_part(stay: StayKey, seq: int) -> Document:

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import json
 import os
-import re
 import sqlite3
 import threading
 import time
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing, contextmanager
 from pathlib import Path
 from typing import Any
@@ -30,13 +29,15 @@ from d3a.store.base import (
     Sighting,
     StayKey,
     StayRecord,
+    StoreBusy,
     StoreError,
     TaughtName,
     View,
 )
 from d3a.store.expected import check_expected
+from d3a.store.lease import Lease
 from d3a.store.limits import check_batch
-from d3a.store.records import Picture, Record, dump_records
+from d3a.store.records import dump_records
 from d3a.store.rows import (
     READERS,
     Row,
@@ -46,16 +47,14 @@ from d3a.store.rows import (
     stay_record,
     view_record,
 )
+from d3a.store.sqlite_dump import Moment
 from d3a.store.sqlite_newest import Newest
 from d3a.store.sqlite_read import Select
 from d3a.store.sqlite_write import Writer
 
-_INDEX = re.compile(r"USING (?:COVERING )?INDEX (\w+)")
-_KEY = re.compile(r"USING (INTEGER PRIMARY KEY|PRIMARY KEY)")
-_TREE = re.compile(r"SCAN (\w+_tree) VIRTUAL TABLE INDEX")
-
-
 BUSY_TIMEOUT_S = 10.0
+_WHOLE = "BEGIN IMMEDIATE", "COMMIT", "ROLLBACK"
+_PART = "SAVEPOINT part", "RELEASE part", "ROLLBACK TO part"
 
 
 def connect(path: Path, *, read_only: bool) -> sqlite3.Connection:
@@ -105,25 +104,48 @@ class SqliteStore:
     def apply(self, batch: Batch) -> None:
         """Apply a batch in one transaction; the log is on the disk when this returns."""
         check_batch(batch)
-        with self._lock, self._transaction():
+        with self.turn():
             check_expected(self, batch)
             Writer(self._db, trees=self._trees).write(batch)
 
     @contextmanager
-    def _transaction(self) -> Iterator[None]:
-        with self._translated():
-            self._db.execute("BEGIN IMMEDIATE")
+    def turn(self) -> Iterator[None]:
+        """Be the one writer: a transaction, or a part of one that can be taken back alone."""
+        with self._lock, self._translated():
+            begin, end, undo = _PART if self._db.in_transaction else _WHOLE
+            try:
+                self._db.execute(begin)
+            except sqlite3.OperationalError as error:
+                if error.sqlite_errorcode & 0xFF != sqlite3.SQLITE_BUSY:
+                    raise
+                said = f"another process has been writing for {BUSY_TIMEOUT_S:g} s; try again"
+                raise StoreBusy(f"{self.uri}: {said}") from error
             try:
                 yield
-                self._db.execute("COMMIT")
+                self._db.execute(end)
             except BaseException:
                 if self._db.in_transaction:  # a full disk has already rolled back
-                    self._db.execute("ROLLBACK")
+                    self._db.execute(undo)
                 raise
+
+    def lease(self) -> Lease | None:
+        """Return who ingests or did last."""
+        rows = self._rows("SELECT value FROM internal WHERE key = 'lease'")
+        return Lease(**json.loads(rows[0][0])) if rows else None
+
+    def put_lease(self, lease: Lease) -> None:
+        """Keep another lease."""
+        with self.turn():
+            text = json.dumps(lease.to_json())
+            self._db.execute("INSERT OR REPLACE INTO internal VALUES ('lease', ?)", (text,))
+
+    def clock_ms(self) -> int:
+        """Return this machine's time: a file has no other."""
+        return round(time.time() * 1000)
 
     def collect_keyframes(self, keep: Sequence[str] = ()) -> int:
         """Remove pictures that nothing refers to, but for `keep`; count them."""
-        with self._lock, self._transaction():
+        with self.turn():
             return self._db.execute(
                 "DELETE FROM keyframe WHERE key NOT IN (SELECT value FROM json_each(?)) "
                 "AND NOT EXISTS (SELECT 1 FROM sighting WHERE image = key) "
@@ -159,7 +181,7 @@ class SqliteStore:
             rows = self._db.execute(text, given).fetchall()
             elapsed_ms = (time.perf_counter() - begun) * 1000
         said = text + "".join(f"\n  :{name} = {value}" for name, value in given.items())
-        observer(NativeQuery(said, _index_of(plan), len(rows), elapsed_ms))
+        observer(NativeQuery(said, sqlite_read.index_of(plan), len(rows), elapsed_ms))
         return rows
 
     def _select(self, select: Select, limit: int | None = None) -> list[Row]:
@@ -346,7 +368,7 @@ class SqliteStore:
 
     def repair(self) -> list[str]:
         """Mend what `check` finds, where it can be, in one transaction; a sentence each."""
-        with self._lock, self._transaction():
+        with self.turn():
             return sqlite_repair.repair(self._db, trees=self._trees)
 
     def tracing(self, observer: Callable[[NativeQuery], None] | None) -> None:
@@ -356,45 +378,4 @@ class SqliteStore:
     def dump(self) -> Iterator[Json]:
         """Yield every record in a fixed order, from one moment, whatever is written meanwhile."""
         with self._translated(), closing(connect(self._path, read_only=True)) as connection:
-            yield from dump_records(_Moment(connection))
-
-
-class _Moment:
-    """What a dump reads: one transaction of its own, rows as they come."""
-
-    def __init__(self, connection: sqlite3.Connection) -> None:
-        self._db = connection
-        connection.execute("BEGIN")
-
-    def meta_entries(self) -> Iterable[tuple[str, Any]]:
-        """Yield (key, value) by key."""
-        for key, text in self._db.execute("SELECT key, value FROM meta ORDER BY key"):
-            yield key, json.loads(text)
-
-    def records(self, kind: str) -> Iterable[Record]:
-        """Yield all records of a kind."""
-        text, record = READERS[kind]
-        return map(record, self._db.execute(text))
-
-    def pictures(self) -> Iterable[Picture]:
-        """Yield the stored pictures by key; `length` does not read them."""
-        text = "SELECT key, width, height, time_ms, length(jpeg) FROM keyframe ORDER BY key"
-        return (Picture(*row) for row in self._db.execute(text))
-
-    def state(self) -> bytes | None:
-        """Return the checkpoint."""
-        row = self._db.execute("SELECT value FROM state").fetchone()
-        return row[0] if row else None
-
-
-def _index_of(plan: list[Row]) -> str | None:
-    """Return the indexes and trees that a query plan names, in its order, none twice.
-
-    A primary key is named where nothing else leads the query.
-    """
-    details = [row[-1] for row in plan]
-    for patterns in ((_INDEX, _TREE), (_KEY,)):
-        found = [name for text in details for p in patterns for name in p.findall(text)]
-        if found:
-            return ", ".join(dict.fromkeys(found))
-    return None
+            yield from dump_records(Moment(connection))

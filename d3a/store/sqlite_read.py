@@ -10,6 +10,7 @@ without statistics picked another one, 20 to 200 times slower. An R*Tree answers
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -22,9 +23,13 @@ from d3a.store.rows import (
     SIGHTING_COLUMNS,
     STAY_COLUMNS,
     VIEW_COLUMNS,
+    Row,
 )
 from d3a.store.schema import SLACK_M
 
+_INDEX = re.compile(r"USING (?:COVERING )?INDEX (\w+)")
+_KEY = re.compile(r"USING (INTEGER PRIMARY KEY|PRIMARY KEY)")
+_TREE = re.compile(r"SCAN (\w+_tree) VIRTUAL TABLE INDEX")
 MANY_IDS = 1_000
 """With more ids than this and a bounded time, a walk through the time beats one look per id."""
 
@@ -289,3 +294,16 @@ def views(start_ms: int | None, end_ms: int | None) -> Select:
     select = Select(VIEW_COLUMNS, "seen_area v", "start_ms, end_ms, site, recording")
     touching(select, "v", "max_view_ms", start_ms, end_ms)
     return select
+
+
+def index_of(plan: list[Row]) -> str | None:
+    """Return the indexes and trees that a query plan names, in its order, none twice.
+
+    A primary key is named where nothing else leads the query.
+    """
+    details = [row[-1] for row in plan]
+    for patterns in ((_INDEX, _TREE), (_KEY,)):
+        found = [name for text in details for p in patterns for name in p.findall(text)]
+        if found:
+            return ", ".join(dict.fromkeys(found))
+    return None

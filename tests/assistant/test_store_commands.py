@@ -18,7 +18,7 @@ from click.testing import CliRunner, Result
 from assistant.cli import main
 from assistant.commands import forget
 from d3a.store import open_store
-from d3a.store.base import Batch, Store, StoreConflict, StoreError
+from d3a.store.base import Batch, Store, StoreBusy, StoreError
 from tests.worlds import small_home
 
 Run = Callable[..., Result]
@@ -224,13 +224,13 @@ def test_exports_are_written_once(run: Run) -> None:
 
 
 def test_what_fails_half_way_says_what_to_do(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
-    def conflict(store: Store, plan: object) -> bool:
-        raise StoreConflict(f"{store.uri}: an ingest wrote to it meanwhile")
+    def busy(store: Store, plan: object) -> None:
+        raise StoreBusy(f"{store.uri}: another process has been writing for 10 s; try again")
 
-    monkeypatch.setattr("d3a.forgetting.forget", conflict)
+    monkeypatch.setattr("d3a.forgetting.forget", busy)
     result = run("forget", "cup", *HOME, "--yes")
     assert result.exit_code == 3
-    assert "nothing was forgotten: run it again" in result.stderr
+    assert "another process has been writing for 10 s; try again" in result.stderr
 
     def torn(source: Store, target: Store) -> None:
         raise StoreError(f"{target.uri} is not equal to {source.uri}")

@@ -192,3 +192,41 @@ def assert_constraints_hold(store: Store) -> None:
         if each.kind == "split":
             for name in ("object", "new"):
                 assert each.arguments[name] in ids | swallowed
+
+
+class Overheard(OracleStore):
+    """Somebody speaks whenever the ingest has looked whether anybody did, but not in its turn."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.spoken = 0
+        self.turns = 0
+
+    @contextlib.contextmanager
+    def turn(self) -> Iterator[None]:
+        self.turns += 1
+        yield
+        self.turns -= 1
+
+    def meta(self, key: str) -> Any | None:
+        value = super().meta(key)
+        settled = [r.object_id for r in self.objects() if not r.volatile]
+        if key == SAID and self.turns == 0 and settled:
+            self.spoken += 1
+            teaching.teach_name(self, settled[0], f"name {self.spoken}")
+        return value
+
+
+@pytest.mark.parametrize("profile", ["default", "paper"])
+def test_an_ingest_gets_on_however_often_people_speak(profile: str) -> None:
+    frames, numbers = frames_of([("cup", 0, 1), ("bowl", 3, 2)], 5), parameters(profile)
+    store = Overheard()
+    ingest(ListReader(frames[:10]), store, numbers)
+    summary = ingest(ListReader(frames), store, numbers)
+    assert summary.frames == len(frames) - 10
+    assert store.recordings()[0].done
+    assert store.spoken > 10, "it looks before each frame"
+    assert len(teaching.history(store)) == store.spoken
+    words = {name.word for record in store.objects() for name in record.names}
+    assert words == {f"name {n + 1}" for n in range(store.spoken)}
+    assert store.check() == []

@@ -21,7 +21,7 @@ from d3a.model import BadInput, Frame
 from d3a.parameters import PROFILES, Parameters
 from d3a.retention import plan_retention, retention_of, seconds_of, set_retention
 from d3a.store import open_store
-from d3a.store.base import Batch, Keyframe, Store, StoreConflict, StoreError, TaughtName
+from d3a.store.base import Batch, Keyframe, Store, StoreError, TaughtName
 from d3a.teaching import history, merge, teach_name
 from tests.worlds import histories, small_home
 from tests.worlds.oracle import OracleStore
@@ -343,15 +343,21 @@ def test_an_ingest_that_runs_meanwhile_stops_and_goes_on_without_it(profile: str
     assert store.check() == []
 
 
-def test_a_plan_is_not_carried_out_on_what_was_written_since() -> None:
-    store = OracleStore()
-    frames = filled(store, cut=10)
-    plan = plan_forgetting(store, Selection(object_ids=ids_of(store, "cup")))
-    ingest(ListReader(frames), store, small("default"), max_frames=5)
-    before = texts(store)
-    with pytest.raises(StoreConflict, match="an ingest wrote to it"):
-        forget(store, plan)
-    assert texts(store) == before
+def test_a_plan_takes_along_what_was_written_since(make_store: Callable[[], Store]) -> None:
+    """Forgetting wins over a checkpoint that came between the plan and its carrying out."""
+    with closing(make_store()) as store:
+        frames = filled(store, cut=10)
+        cups = Selection(object_ids=ids_of(store, "cup"))
+        plan = plan_forgetting(store, cups)
+        ingest(ListReader(frames), store, small("default"), max_frames=5)
+        done = forget(store, plan)
+        assert done.is_anew
+        assert done.plan.batch.state != plan.batch.state
+        assert plan_forgetting(store, cups).is_empty
+        assert not store.sightings(object_ids=sorted(ids_of(store, "cup")))
+        assert store.check() == []
+        again = plan_forgetting(store, Selection(object_ids=ids_of(store, "bowl")))
+        assert not forget(store, again).is_anew
 
 
 @pytest.mark.parametrize("cut", [None, 17], ids=["ended", "open"])
@@ -366,7 +372,7 @@ def test_no_document_on_a_server_tells_of_it(mongo_uri: str, cut: int | None) ->
         look = record.embedding.tobytes()
         teach_name(store, secret, "heirloom", "zoe")
         plan = plan_forgetting(store, Selection(object_ids=frozenset({secret})))
-        assert forget(store, plan) is False, "the server frees its space by itself"
+        assert not forget(store, plan).is_scrubbed, "the server frees its space by itself"
         assert store.check() == []
     with MongoClient[dict[str, object]](mongo_uri) as client:
         database = client.get_default_database()

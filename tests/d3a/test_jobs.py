@@ -59,7 +59,7 @@ def taken(reader: Reader, jobs: Jobs, **options: object) -> tuple[IngestSummary,
 
 
 def without_seconds(summary: IngestSummary) -> IngestSummary:
-    return replace(summary, seconds={}, elapsed_s=0)
+    return replace(summary, seconds={}, processor={}, elapsed_s=0)
 
 
 @pytest.mark.parametrize("profile", ["default", "paper"])

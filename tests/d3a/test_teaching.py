@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable
+from contextlib import closing
 from dataclasses import replace
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
 from d3a import teaching
-from d3a.constraints import HISTORY, SAID, History, forgetting
+from d3a.constraints import HISTORY, SAID, Correction, History, forgetting
 from d3a.corrections import UnknownThing
 from d3a.images import encode, histogram
 from d3a.model import BadInput, Json
+from d3a.store import open_store
 from d3a.store.base import (
     Batch,
     Encounter,
@@ -22,7 +27,6 @@ from d3a.store.base import (
     Sighting,
     StayRecord,
     Store,
-    StoreConflict,
     TaughtName,
     View,
 )
@@ -257,29 +261,34 @@ def test_what_a_correction_replaced_is_forgotten_with_its_object() -> None:
     assert [r.object_id for r in store.objects()] == ["o3"]
 
 
-class Meddled(OracleStore):
-    """Somebody else commits between what is read and what is written, so many times."""
+def test_who_else_writes_waits_until_a_correction_is_written(tmp_path: Path) -> None:
+    """Nothing is overwritten: what another writes is read before, or comes after."""
+    path = str(tmp_path / "home.db")
+    order: list[str] = []
+    with closing(open_store(path)) as mine, closing(open_store(path)) as theirs:
+        copy_store(home(), mine)
+        (cup,) = mine.objects(ids=["o1"])
 
-    def __init__(self, source: Store, times: int) -> None:
-        super().__init__()
-        copy_store(source, self)
-        self.times = times
+        def write() -> None:
+            theirs.apply(Batch(objects=[replace(cup, weight=100.0)]))
+            order.append("another")
 
-    def apply(self, batch: Batch) -> None:
-        if batch.expects is not None and self.times > 0:
-            self.times -= 1
-            grown = replace(self.objects(ids=["o1"])[0], weight=100.0 + self.times)
-            super().apply(Batch(objects=[grown], meta={SAID: 1000 + self.times}))
-        super().apply(batch)
+        other = threading.Thread(target=write)
 
+        def make(number: int) -> tuple[Correction, dict[str, Any]]:
+            other.start()
+            other.join(0.2)
+            (read,) = mine.objects(ids=["o1"])
+            order.append("correction")
+            correction = Correction(number, "teach", "o1 is it", None, {"ids": ["o1"]})
+            return correction, {"objects": [replace(read, names=(TaughtName("it", None),))]}
 
-def test_what_another_writes_meanwhile_is_not_overwritten() -> None:
-    store = Meddled(home(), 2)
-    teaching.teach_name(store, "o1", "cup", "me")
-    (cup,) = store.objects(ids=["o1"])
+        teaching.commit(mine, make)
+        other.join()
+        assert order == ["correction", "another"]
+        teaching.teach_name(mine, "o1", "cup", "me")
+        (cup,) = mine.objects(ids=["o1"])
     assert (cup.weight, cup.names) == (100.0, (TaughtName("cup", "me"),))
-    with pytest.raises(StoreConflict):
-        teaching.merge(Meddled(home(), 1000), "o1", "o2")
 
 
 def test_pictures_that_only_an_undo_needs_are_kept_for_it() -> None:

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import json
+import threading
+import time
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import AbstractContextManager
 from dataclasses import replace
 from typing import Any
 
@@ -28,6 +31,7 @@ from d3a.store.base import (
     View,
 )
 from d3a.store.expected import check_expected
+from d3a.store.lease import Lease
 from d3a.store.limits import EmbeddingKind, check_batch, check_referred, embedding_kind
 from d3a.store.records import Picture, Record, dump_records, meta_json, picture
 
@@ -55,9 +59,23 @@ class OracleStore:
         self._state: bytes | None = None
         self._embedding_kind: EmbeddingKind | None = None
         self._written = 0
+        self._lease: Lease | None = None
+        self._turn = threading.RLock()
 
     def close(self) -> None:
         pass
+
+    def turn(self) -> AbstractContextManager[object]:
+        return self._turn
+
+    def lease(self) -> Lease | None:
+        return self._lease
+
+    def put_lease(self, lease: Lease) -> None:
+        self._lease = lease
+
+    def clock_ms(self) -> int:
+        return round(time.time() * 1000)
 
     def apply(self, batch: Batch) -> None:
         check_batch(batch)

@@ -1,0 +1,25 @@
+"""What a store raises: one base, and kinds that a caller may tell apart."""
+
+from __future__ import annotations
+
+from d3a.model import D3AError
+
+
+class StoreError(D3AError):
+    """The store failed or refused; the message says which store, why, and what would do."""
+
+
+class StoreUnreachable(StoreError):  # noqa: N818
+    """The store cannot be opened or reached; passwords in its URI are masked."""
+
+
+class StoreRefused(StoreError):  # noqa: N818
+    """A record is outside of the limits of the store (see `limits.py`)."""
+
+
+class StoreConflict(StoreError):  # noqa: N818
+    """Another wrote what a batch was made from: read again, and make it anew."""
+
+
+class StoreBusy(StoreError):  # noqa: N818
+    """Another writes to the store, and was not waited for; the message says who and until when."""

@@ -1,0 +1,39 @@
+"""What a dump of a SQLite file reads: one moment of it, whatever is written meanwhile."""
+
+from __future__ import annotations
+
+import json
+import sqlite3
+from collections.abc import Iterable
+from typing import Any
+
+from d3a.store.records import Picture, Record
+from d3a.store.rows import READERS
+
+
+class Moment:
+    """What a dump reads: one transaction of its own, rows as they come."""
+
+    def __init__(self, connection: sqlite3.Connection) -> None:
+        self._db = connection
+        connection.execute("BEGIN")
+
+    def meta_entries(self) -> Iterable[tuple[str, Any]]:
+        """Yield (key, value) by key."""
+        for key, text in self._db.execute("SELECT key, value FROM meta ORDER BY key"):
+            yield key, json.loads(text)
+
+    def records(self, kind: str) -> Iterable[Record]:
+        """Yield all records of a kind."""
+        text, record = READERS[kind]
+        return map(record, self._db.execute(text))
+
+    def pictures(self) -> Iterable[Picture]:
+        """Yield the stored pictures by key; `length` does not read them."""
+        text = "SELECT key, width, height, time_ms, length(jpeg) FROM keyframe ORDER BY key"
+        return (Picture(*row) for row in self._db.execute(text))
+
+    def state(self) -> bytes | None:
+        """Return the checkpoint."""
+        row = self._db.execute("SELECT value FROM state").fetchone()
+        return row[0] if row else None
