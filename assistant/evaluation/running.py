@@ -71,11 +71,19 @@ class Evaluation:
         hours = sorted({f"{world.hours:g} h" for world in self.worlds if world.folder is None})
         lead = (
             f"Worlds: {names}{' (' + ', '.join(hours) + ')' if hours else ''}. Figures are means "
-            "over the worlds ± their standard deviation. Grey columns are the paper's.",
+            "over the worlds ± their standard deviation (of a sample; one world has none). Grey "
+            f"columns are the paper's, of its one laboratory.{self._asked()}",
             "Every question went as a sentence through the grammar, the planner and a store; the "
             "truth was joined afterwards, by the box of each keyframe.",
         )
         return report.page("D3A: the paper's four experiments", lead, self._sections(plots=True))
+
+    def _asked(self) -> str:
+        """Say how many questions a figure of Exp 2 stands on."""
+        if not self.exp2:
+            return ""
+        queries = max(cell.queries for outcome in self.exp2 for cell in outcome.cells)
+        return f" Each world was asked {queries} questions of each form at each precision."
 
     def _sections(self, *, plots: bool) -> list[tuple[Table, str | None]]:
         found: list[tuple[Table, str | None]] = []

@@ -225,6 +225,9 @@ def test_report_is_one_page_with_every_table_and_plot(work: Path, tmp_path: Path
     assert "http" not in page.replace("http://www.w3.org", "")  # but for SVG's own names
     for table in found.tables():
         assert table.title.replace("'", "&#x27;") in page
+    assert "asked 2 questions of each form" in page
+    assert page.count('<tr class="begins">') == 12  # the methods of a form and precision
+    assert '<td class="words">Naive</td>' in page
     results = json.loads((tmp_path / "out" / running.RESULTS).read_text(encoding="utf-8"))
     assert len(results["exp2"]) == len(METHODS)
     assert seen == sorted(seen)
