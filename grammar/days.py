@@ -365,6 +365,8 @@ def _nth(said: tf.Nth, span: DaySpan) -> DaySpan:
         if not -len(hits) <= index < len(hits):
             raise TimeError("there is no such day in that time")
         return hits[index], hits[index] + timedelta(days=1 + (said.unit == "weekend"))
+    if said.unit in ("second", "minute", "hour"):
+        raise TimeError("I cannot count hours within it; say from when to when")
     length = {"week": 7, "day": 1}.get(said.unit)
     if length is None:
         months = {"quarter": 3, "half": 6}.get(said.unit, 1)

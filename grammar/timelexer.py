@@ -21,6 +21,11 @@ _LEADS_PART = words_of(
 )
 _LEADS_THE_PART = words_of("in during since of through at before after until all for over")
 _LEADS_SEASON = words_of("the in last this since during past previous")
+_COUNTED_WITHIN = words_of("minute hour day week weekend month")
+_LEADS_SHY = words_of(
+    "on in last this since until before after by from between to and of during early late till "
+    "through every past previous mid -"
+)
 _BEFORE_PART = words_of(
     "WEEKDAY DAYS DATE DAY_AFTER MONTH_OF MERIDIEM HOUR MINUTE ORD EDGE _AGO HOLIDAY YEAR_OF "
     "_OCLOCK _AND _TO COUNT"
@@ -86,7 +91,12 @@ class _Reader(UnplacedReader):
         return None
 
     def _comparative(self) -> TimeToken | None:
-        """Pass over `earlier` and `later` before a time: earlier this morning, later on friday."""
+        """Pass over `earlier` and `later` before a time; take over and under an hour ago."""
+        if self.word in ("over", "under") and self._length_follows(1):
+            gone = "ago" in self.words[self.i + 2 : self.i + 6]
+            return (
+                self._make("_BEFORE" if self.word == "over" else "_AFTER", 0, 1) if gone else None
+            )
         if self.word not in ("earlier", "later") or self._is("UNIT", "_HALF"):
             return None
         k = 1
@@ -102,7 +112,7 @@ class _Reader(UnplacedReader):
         if self.word not in ("past", "last", "previous", "preceding", "recent"):
             return None
         following = self._at(1)
-        counted = following in ("day", "week", "weekend", "month", *tw.WEEKDAY_NUMBER)
+        counted = following in _COUNTED_WITHIN or following in tw.WEEKDAY_NUMBER
         inside = self._at(2) == "of"
         if self.word == "last" and counted and inside:
             return self._make("NTH", -1, 1)
@@ -110,7 +120,7 @@ class _Reader(UnplacedReader):
             unit = tw.UNITS[following]
             article = self._at(-1) in ("the", "this") and self._at(-2) != "of"
             if unit in ("second", "minute", "hour") or self.word == "past" or article:
-                return self._make("_LASTN1", 0, 1) if following != "weekend" else None
+                return self._make("_LASTN1" if following != "weekend" else "_LAST", 0, 1)
             return None
         if self._length_follows(1):
             return self._make("_LASTN", 0, 1)
@@ -150,7 +160,7 @@ class _Reader(UnplacedReader):
                 continue
             if kind == "WEEKEND" and self._is("NTH"):
                 continue
-            if kind == "SAME" and not self._day_named(length):
+            if kind == "SAME" and not (self._day_named(length) or self._is("DAYS", "WEEKDAY")):
                 continue
             if kind == "EDGE" and not self._edges(length):
                 continue
@@ -362,33 +372,8 @@ class _Reader(UnplacedReader):
 
     def _timely(self) -> bool:
         """Whether a neighbour says that a shy name is a day or a month here."""
-        ranges = self._at(1) in ("to", "till", "til", "until", "through")
+        ranges = self._at(1) in ("to", "till", "til", "until", "through", "-")
         if ranges and (self._at(2) in tw.MONTH_NUMBER or self._at(2) in tw.WEEKDAY_NUMBER):
             return True
-        return self._at(-1) in (
-            [
-                "on",
-                "in",
-                "last",
-                "this",
-                "since",
-                "until",
-                "before",
-                "after",
-                "by",
-                "from",
-                "between",
-                "to",
-                "and",
-                "of",
-                "during",
-                "early",
-                "late",
-                "till",
-                "through",
-                "every",
-                "past",
-                "previous",
-                "mid",
-            ]
-        ) or (self._is("NTH", "DAY_BEFORE", "WEEKDAY") or self._year_named(1))
+        named = self._is("NTH", "DAY_BEFORE", "WEEKDAY") or self._year_named(1)
+        return self._at(-1) in _LEADS_SHY or named
