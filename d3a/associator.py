@@ -42,9 +42,9 @@ from d3a.tracker import TrackerPipeline
 
 
 class ForgottenMeanwhile(StoreError):  # noqa: N818
-    """Something was forgotten while an ingest ran, which remembers it still: it is to begin anew.
+    """Something was forgotten while an ingest ran, which remembers it still.
 
-    Run again it goes on from its last checkpoint, without what was forgotten.
+    `ingest` is to be called again: it goes on from its last checkpoint, without that.
     """
 
 
@@ -260,8 +260,8 @@ class Associator:
         """
         if self._store.meta(FORGOTTEN) != self._forgotten:
             raise ForgottenMeanwhile(
-                f"{self._store.uri}: something was forgotten while this ingest ran; run it "
-                "again, and it goes on from its last checkpoint without that"
+                f"{self._store.uri}: something was forgotten while this ingest ran; it goes on "
+                "from its last checkpoint, without that"
             )
         taught = self._ledger.taught()
         fields["objects"] = [

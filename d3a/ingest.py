@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Generator, Iterable, Iterator
-from contextlib import closing, contextmanager
+from contextlib import closing
 from dataclasses import dataclass, field, replace
-from itertools import chain
+from itertools import chain, islice
 from pathlib import Path
-from time import monotonic, perf_counter
+from time import perf_counter
 
 from d3a.assignments import AssignmentLog
 from d3a.associator import Associator, check_filled_alike
@@ -18,6 +18,7 @@ from d3a.embedders.base import Embedder, HistogramEmbedder
 from d3a.images import HISTOGRAM_MODEL
 from d3a.intake import EVERYTHING, Intake, agree, check_known, placed
 from d3a.jobs import ONE, Jobs, in_jobs
+from d3a.live import WHOLE, Live, Pulse
 from d3a.model import BadInput, Frame
 from d3a.parameters import Parameters
 from d3a.preparation import Preparation, Replaces, Stopwatch
@@ -29,22 +30,14 @@ from d3a.store.lease import Lease, leased
 
 Progress = Callable[[int, int | None], None]
 """Called with the frames done and their number, None where that is unknown."""
-
-
-@dataclass(frozen=True, slots=True)
-class Live:
-    """How an ingest goes on as its recording grows.
-
-    fresh_s: how old the store may be, where there is something new to write; None: checkpoints are
-    by the number of frames alone. should_stop: asked after each frame; once it says so, what was
-    seen is written, and the recording is left open. A reader may then yield None while it waits.
-    """
-
-    fresh_s: float | None = None
-    should_stop: Callable[[], bool] = lambda: False
-
-
-WHOLE = Live()
+Note = Callable[[str], None]
+"""Told, in a sentence, what a person may have overlooked."""
+UNPLACED_FRAMES = 50
+"""After so many frames without any pose a person is told, and needs not wait for the end."""
+UNPLACED = (
+    "no frame has a pose, so nothing is placed on the map: ask what and when, and see where in the "
+    "pictures"
+)
 
 
 class NothingYet(BadInput):
@@ -56,7 +49,8 @@ class IngestSummary:
     """What an ingest did.
 
     frames, detections: taken in by this run. objects, places: in the store now. seconds: by stage
-    (decode, detect, embed, tiers, store), of all processes together. processor: the same of this
+    (read, which is waiting too where a recording grows, decode, detect, embed, tiers, store), of
+    all processes together. processor: the same of this
     process's processor time, which other work on the machine does not lengthen. elapsed_s: from
     begin to end, with the reading of the recording. already: the store had all of it.
     already_frames: how many frames it had before. forgotten: intervals that the store's retention
@@ -84,6 +78,7 @@ def ingest(
     detector: Detector | None = None,
     embedder: Embedder | None = None,
     on_progress: Progress | None = None,
+    on_note: Note | None = None,
     max_frames: int | None = None,
     assignments: Path | None = None,
     intake: Intake = EVERYTHING,
@@ -98,11 +93,11 @@ def ingest(
     of each detection, a JSON object a line. intake: what of it goes in; a recording that was taken
     in otherwise before is refused.
     live: for a reader that follows a recording as it grows. jobs: where scenes are made; the store
-    is the same.
+    is the same. on_note: told where no frame has a pose.
     Raises BadInput for a recording without frames or detections, StoreError where the store fails
     or was filled with other parameters, StoreBusy where another ingest fills it.
     """
-    run = _Run(reader, store, parameters, detector, embedder, intake, live, jobs)
+    run = _Run(reader, store, parameters, detector, embedder, intake, live, jobs, on_note)
     with leased(store, f"an ingest of {reader.facts.name!r}") as lease:
         return run.go(lease, on_progress, max_frames, assignments)
 
@@ -120,8 +115,11 @@ class _Run:
         intake: Intake,
         live: Live,
         jobs: Jobs,
+        on_note: Note | None,
     ) -> None:
         self._live = live
+        self._on_note = on_note
+        self._is_placed = False  # whether any frame had a pose, or any detection a position
         self._jobs = jobs
         self._left_out: Skipped | None = None  # by the reader, up to the frame that is taken
         self._reader = reader
@@ -160,6 +158,8 @@ class _Run:
         with closing(self._readied(self._sifted(frames, associator))) as readied:
             stopped = self._take_all(readied, associator, log, on_progress, max_frames)
         self._left_out = None
+        if self._frames < UNPLACED_FRAMES:
+            self._note_unplaced()
         if not stopped and (self._frames > 0 or not had.done):
             if associator.has_news():
                 self._checkpoint(associator, log)
@@ -178,7 +178,8 @@ class _Run:
         check_filled_alike(self._store, self._parameters, self._model)
         frames: Iterator[Frame | None] = iter(self._reader)
         facts = self._reader.facts
-        first = next((frame for frame in frames if frame is not None), None)
+        with self._stopwatch.stage("read"):
+            first = next((frame for frame in frames if frame is not None), None)
         if first is None:
             raise NothingYet(f"the recording {facts.name!r} has no frame to read")
         self._check_seen(first)
@@ -207,7 +208,7 @@ class _Run:
         Frames that are not taken count too: checkpoints are by the recording's own numbers.
         """
         each, marked = self._parameters.checkpoint_frames, associator.consumed
-        pulse, written = _Pulse(self._live), 0
+        pulse, written = Pulse(self._live), 0
         for ready in readied:
             if ready is not None:
                 self._take(ready, associator, log)
@@ -246,9 +247,22 @@ class _Run:
             last_ms=record.last_ms,
             was_done=record.done,
         )
-        yield from sieve.sift(frames)
+        yield from sieve.sift(self._read(frames))
         if not self._live.should_stop():  # else the rest is judged when it goes on
             yield from sieve.rest()
+
+    def _read(self, frames: Iterator[Frame | None]) -> Iterator[Frame | None]:
+        """Yield the frames; the time until each comes counts as reading."""
+        while True:
+            with self._stopwatch.stage("read"):
+                following = list(islice(frames, 1))
+            if not following:
+                return
+            yield following[0]
+
+    def _note_unplaced(self) -> None:
+        if self._frames > 0 and not self._is_placed and self._on_note is not None:
+            self._on_note(UNPLACED)
 
     def _check_seen(self, first: Frame) -> None:
         """Refuse a recording in which nothing was looked for, before anything is stored."""
@@ -290,8 +304,13 @@ class _Run:
             associator.add(prepared.scene, prepared.picture)
         log.left_out(sifted.frame.name, prepared.left_out)
         log.events(associator.take_events())
+        scene = prepared.scene
+        self._is_placed |= scene.pose is not None
+        self._is_placed |= any(d.position is not None for d in scene.detections)
         self._frames += 1
-        self._detections += len(prepared.scene.detections)
+        self._detections += len(scene.detections)
+        if self._frames == UNPLACED_FRAMES:
+            self._note_unplaced()
 
     def _checkpoint(
         self, associator: Associator, log: AssignmentLog, *, done: bool = False
@@ -323,30 +342,6 @@ class _Run:
             already_frames=had_frames,
             forgotten=self._forgotten,
         )
-
-
-class _Pulse:
-    """Says when the store has got too old; a slow one is written to less often."""
-
-    SHARE = 10
-    """At most one part in so many of the time goes into such checkpoints."""
-
-    def __init__(self, live: Live) -> None:
-        self._fresh_s = live.fresh_s
-        self._last = monotonic()
-        self._cost = 0.0
-
-    def is_due(self) -> bool:
-        if self._fresh_s is None:
-            return False
-        return monotonic() - self._last >= max(self._fresh_s, self.SHARE * self._cost)
-
-    @contextmanager
-    def beat(self) -> Iterator[None]:
-        start = monotonic()
-        yield
-        self._last = monotonic()
-        self._cost = self._last - start
 
 
 def _name_of_its_own(name: str, key: str, store: Store) -> str:

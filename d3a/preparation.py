@@ -22,7 +22,7 @@ from d3a.readers.base import Skipped
 from d3a.sightings import FrameRef, Scene
 from d3a.store.limits import MAX_XY_M, MAX_Z_M
 
-STAGES = ("decode", "detect", "embed", "tiers", "store")
+STAGES = ("read", "decode", "detect", "embed", "tiers", "store")
 BROKEN_PICTURE = "broken picture"
 NO_PICTURE = "no picture for the detector to look at"
 BROKEN_DEPTH = "broken depth picture"

@@ -121,25 +121,25 @@ class _Run:
 
     def open(self, sources: Sequence[Path]) -> None:
         """Open what can be read, in order of site and time; a Failure where nothing can."""
-        from d3a.readers.opening import open_source
-
         self._several = len(sources) > 1
         found: list[tuple[str, float, int, Path, Reader]] = []
         for number, source in enumerate(sources):
             with self._named(source):
-                wanted = self._wishes.wanted
-                reader = open_source(
-                    source,
-                    format=wanted.format_name,
-                    zone=self._settings.zone,
-                    options=wanted.options,
-                )
+                reader = self._reader_of(source)
                 first = next(iter(reader), None) if self._several else None
                 start_ms = float("inf") if first is None else first.time_ms
                 found.append((reader.facts.site, start_ms, number, source, reader))
         self._readers = [(each[3], each[4]) for each in sorted(found, key=lambda each: each[:3])]
         if not self._readers:
             raise click.exceptions.Exit(ExitCode.USAGE)
+
+    def _reader_of(self, source: Path) -> Reader:
+        from d3a.readers.opening import open_source
+
+        wanted = self._wishes.wanted
+        return open_source(
+            source, format=wanted.format_name, zone=self._settings.zone, options=wanted.options
+        )
 
     @contextmanager
     def _named(self, source: Path) -> Iterator[None]:
@@ -162,7 +162,7 @@ class _Run:
         with opened(self._settings, create=True) as store:
             for source, reader in self._readers:
                 with self._named(source):
-                    summary = self._take(reader, store)
+                    summary = self._take(source, reader, store)
                     place = {"source": str(source), "recording": reader.facts.name}
                     place["site"] = reader.facts.site
                     records.append(place | summary_json(summary))
@@ -175,32 +175,49 @@ class _Run:
         elif not self._settings.quiet:
             click.echo(f"store: {store_name(self._settings)}", err=True)
 
-    def _take(self, reader: Reader, store: Store) -> IngestSummary:
+    def _take(self, source: Path, reader: Reader, store: Store) -> IngestSummary:
+        """Take a recording in; where something is forgotten meanwhile, go on from before that."""
+        from d3a.associator import ForgottenMeanwhile
+
+        for note in reader.facts.notes:
+            self._note(note)
+        intake = self._wishes.wanted.intake(self._settings.zone or reader.facts.zone)
+        while True:
+            try:
+                summary = self._ingest(reader, store, intake)
+            except ForgottenMeanwhile as error:
+                self._note(str(error))
+                reader = self._reader_of(source)
+            else:
+                break
+        if not summary.already:
+            self._name_unused(intake, summary)
+        return summary
+
+    def _ingest(self, reader: Reader, store: Store, intake: Intake) -> IngestSummary:
         from d3a.ingest import ingest
         from d3a.jobs import Jobs
 
         wishes, quiet = self._wishes, bool(self._settings.quiet)
-        if not quiet:
-            for note in reader.facts.notes:
-                click.echo(clean(f"note: {note}"), err=True)
-        intake = wishes.wanted.intake(self._settings.zone or reader.facts.zone)
         label = reader.facts.name if self._several else ""
         with progress(quiet, label) as on_progress:
-            summary = ingest(
+            return ingest(
                 reader,
                 store,
                 self._parameters,
                 detector=self._detector,
                 embedder=self._embedder,
                 on_progress=on_progress,
+                on_note=self._note,
                 max_frames=wishes.max_frames,
                 assignments=wishes.assignments,
                 intake=intake,
                 jobs=Jobs(wishes.jobs, wishes.backend),
             )
-        if not summary.already:
-            self._name_unused(intake, summary)
-        return summary
+
+    def _note(self, text: str) -> None:
+        if not self._settings.quiet:
+            click.echo(clean(f"note: {text}"), err=True)
 
     def _name_unused(self, intake: Intake, summary: IngestSummary) -> None:
         """Say which ignored categories nothing was called: a slip would store what should not."""

@@ -134,7 +134,7 @@ class _Run:
             detector=detector,
             embedder=embedder,
             on_progress=None if self._settings.quiet else _Ticker(self._say),
-            on_again=self._say,
+            on_note=lambda text: self._say(f"note: {text}"),
         )
         has_detector = detector is not None
         return watch(lambda: self._follow(patience, has_detector=has_detector), store, watching)

@@ -7,8 +7,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from d3a.associator import ForgottenMeanwhile
-from d3a.ingest import IngestSummary, Live, NothingYet, Progress, ingest
+from d3a.ingest import IngestSummary, Note, NothingYet, Progress, ingest
 from d3a.intake import EVERYTHING, Intake
+from d3a.live import Live
 from d3a.parameters import Parameters
 from d3a.readers.base import Follower
 from d3a.store.base import Store
@@ -27,8 +28,8 @@ class Watching:
 
     fresh_s: the store is at most this much older than what came. is_resumable: whether the
     recording can be followed from its start again; else one that is stopped is ended. intake: what
-    goes in, given the recording's zone, for times without an offset. on_again: told when something
-    was forgotten meanwhile and the ingest goes on from its last checkpoint.
+    goes in, given the recording's zone, for times without an offset. on_note: told what `ingest`
+    notes, and when something was forgotten meanwhile and it goes on from its last checkpoint.
     """
 
     parameters: Parameters
@@ -39,7 +40,7 @@ class Watching:
     detector: Detector | None = None
     embedder: Embedder | None = None
     on_progress: Progress | None = None
-    on_again: Callable[[str], None] = lambda _: None
+    on_note: Note = lambda _: None
 
 
 def watch(
@@ -64,6 +65,7 @@ def watch(
                 detector=watching.detector,
                 embedder=watching.embedder,
                 on_progress=watching.on_progress,
+                on_note=watching.on_note,
                 intake=watching.intake(follower.facts.zone),
                 live=Live(watching.fresh_s, asked),
             )
@@ -72,4 +74,4 @@ def watch(
                 return None
             raise
         except ForgottenMeanwhile as error:
-            watching.on_again(str(error))
+            watching.on_note(str(error))

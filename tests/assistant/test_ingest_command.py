@@ -6,6 +6,7 @@ import json
 import os
 from collections.abc import Callable
 from contextlib import closing
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,9 @@ from click.testing import CliRunner, Result
 
 from assistant.cli import main
 from assistant.intake_report import Pace, duration
+from d3a.forgetting import forget, plan_forgetting
+from d3a.forgotten import Selection
+from d3a.ingest import IngestSummary, ingest
 from d3a.store import open_store
 from tests.worlds.folders import as_recording, as_tum, boxes_file, moments, pictures, write_csv
 
@@ -191,3 +195,46 @@ def test_many_recordings_in_jobs_fill_the_store_of_one_process(run: Run, tmp_pat
     assert dumps[0] == dumps[1]
     recordings = [each for each in dumps[0] if each["kind"] == "recording"]
     assert len(recordings) == 3
+
+
+def test_what_is_forgotten_meanwhile_ends_no_ingest(
+    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    later(tmp_path / "old", "2019")
+    assert run("old").exit_code == 0
+    as_recording(tmp_path / "new")
+    told: list[int] = []
+
+    def meddled(*args: Any, **how: Any) -> IngestSummary:
+        def speak(done: int, _total: int | None) -> None:
+            told.append(done)
+            if told == [1, 2, 3]:
+                with closing(open_store("s.db")) as store:
+                    bowls = frozenset(r.object_id for r in store.objects(categories=["bowl"]))
+                    forget(store, plan_forgetting(store, Selection(object_ids=bowls)))
+
+        return ingest(*args, **(how | {"on_progress": speak}))
+
+    monkeypatch.setattr("d3a.ingest.ingest", meddled)
+    result = run("new")
+    assert result.exit_code == 0, result.output
+    assert "note: sqlite:///s.db: something was forgotten while this ingest ran" in result.stderr
+    assert "frames      8\n" in result.stdout
+    with closing(open_store("s.db")) as store:
+        assert store.check() == []
+        assert [record.done for record in store.recordings()] == [True, True]
+        (bowl,) = store.objects(categories=["bowl"])
+        assert datetime.fromtimestamp(bowl.first_ms / 1000, UTC).year == 2020
+    assert told[:4] == [1, 2, 3, 1], "it began again, as there was no checkpoint"
+
+
+def test_a_person_is_told_where_nothing_has_a_pose(run: Run, tmp_path: Path) -> None:
+    for name, poses in (("r", True), ("p", False)):
+        as_recording(tmp_path / name, depth=poses, poses=poses)
+    told = "note: no frame has a pose, so nothing is placed on the map"
+    assert told not in run("r").stderr
+    facts = json.loads(Path("p/recording.json").read_text()) | {"recording": "unposed"}
+    Path("p/recording.json").write_text(json.dumps(facts))
+    result = run("p", "--every", "2")
+    assert result.exit_code == 0, result.output
+    assert told in result.stderr

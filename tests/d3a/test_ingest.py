@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from d3a.ingest import ingest
+from d3a.ingest import UNPLACED, UNPLACED_FRAMES, ingest
 from d3a.model import BadInput, Detection, Frame, Pose
 from d3a.parameters import DEFAULT, PAPER, Parameters
 from d3a.preparation import (
@@ -30,6 +30,7 @@ from tests.worlds.rounds import (
     START_MS,
     ListReader,
     Thing,
+    circle,
     colour,
     depth_png,
     detection_line,
@@ -67,7 +68,7 @@ def test_everything_arrives(tmp_path: Path) -> None:
     assert (summary.objects, summary.places) == (1, 1)
     assert summary.skipped.counts == {}
     assert done == [(n, 6) for n in range(1, 7)]
-    assert set(summary.seconds) == {"decode", "detect", "embed", "tiers", "store"}
+    assert set(summary.seconds) == {"read", "decode", "detect", "embed", "tiers", "store"}
     assert summary.elapsed_s >= sum(summary.seconds.values())
     (record,) = store.objects()
     assert record.embedding is not None
@@ -279,3 +280,36 @@ def test_assignments_survive_an_interruption(tmp_path: Path, parameters: object)
     assert rows_of(parts) == rows_of(whole)
     with pytest.raises(BadInput, match="has this recording already"):
         ingest(open_source(folder), store, chosen, assignments=tmp_path / "new.jsonl")
+
+
+@pytest.mark.parametrize(("count", "told_at"), [(20, 20), (UNPLACED_FRAMES + 5, UNPLACED_FRAMES)])
+def test_no_pose_at_all_is_noted_once_and_early(count: int, told_at: int) -> None:
+    frames = rounds([Thing("cup", circle(1.5, 8)[0], 1)], count, 3)
+    bare = [
+        replace(
+            frame,
+            pose=None,
+            detections=tuple(
+                replace(each, position=None, covariance=None) for each in frame.detections or ()
+            ),
+        )
+        for frame in frames
+    ]
+    told: list[tuple[int, str]] = []
+    done: list[int] = [0]
+
+    def taken(reader: ListReader) -> None:
+        ingest(
+            reader,
+            OracleStore(),
+            DEFAULT,
+            on_progress=lambda number, _: done.append(number),
+            on_note=lambda note: told.append((done[-1], note)),
+        )
+
+    taken(ListReader(frames))
+    assert told == []
+    taken(ListReader(bare))
+    assert told == [(told_at - (count > told_at), UNPLACED)]
+    taken(ListReader([*bare[:9], *frames[9:12]]))
+    assert len(told) == 1, "some have one"

@@ -79,7 +79,7 @@ def test_a_detector_makes_a_memory_of_pictures_alone(
 ) -> None:
     summary, store = ingested(pictured([CUP, BOTH] * 6), looker(tmp_path), parameters=parameters)
     assert (summary.frames, summary.detections) == (12, 18)
-    assert set(summary.seconds) == {"decode", "detect", "embed", "tiers", "store"}
+    assert set(summary.seconds) == {"read", "decode", "detect", "embed", "tiers", "store"}
     assert summary.seconds["detect"] > 0
     assert sorted({record.category for record in store.objects()}) == ["book", "cup"]
     assert store.meta("classes") == ["book", "bowl", "cup"]
