@@ -27,6 +27,7 @@ from d3a.joined import (
 from d3a.joins import SYMMETRIC, Related, relate
 from d3a.lookalikes import later_names
 from d3a.match import Candidate, Lexicon, in_room, rungs
+from d3a.miscalled import without_miscalled
 from d3a.moments import Found, common_span
 from d3a.parameters import Parameters
 from d3a.places import last_look, probability_inside
@@ -335,7 +336,10 @@ def _related(run: Run, step: Relate, figure: Found, ground: Found) -> Related:
 
 def _rank(run: Run, step: Rank) -> None:
     run.rank_step = step
-    moments = run.without_mere_doubts([m for var in step.vars for m in run.answering(var)])
+    moments = [m for var in step.vars for m in run.answering(var)]
+    if any(isinstance(one, JudgeAttributes) and one.doubts for one in run.steps):
+        moments = without_miscalled(run, moments)
+    moments = run.without_mere_doubts(moments)
     run.ranked = rank(
         moments,
         step.select,

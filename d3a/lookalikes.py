@@ -46,7 +46,7 @@ def later_names(facts: Facts, entry: Entry, found: Found, parameters: Parameters
     )
     others = sorted({s.object_id for s in later} - set(found.candidates))
     stays = facts.stays(others)
-    later = [s for s in later if _same_spot(entry.stay, stays.get(s.stay), parameters)]
+    later = [s for s in later if same_spot(entry.stay, stays.get(s.stay), parameters)]
     others = sorted({s.object_id for s in later} & set(others))
     if not others:
         return
@@ -81,7 +81,8 @@ def same_look(look: NDArray[np.float32], record: ObjectRecord) -> float:
     return 1.0 / (1.0 + math.exp(-LIKENESS_SLOPE * (likeness - EVEN_LIKENESS)))
 
 
-def _same_spot(one: StayRecord | None, other: StayRecord | None, parameters: Parameters) -> bool:
+def same_spot(one: StayRecord | None, other: StayRecord | None, parameters: Parameters) -> bool:
+    """Whether two stays may be at one spot, by what their positions may be off."""
     if one is None or other is None or one.position is None or other.position is None:
         return False
     apart = math.dist(one.position, other.position)
