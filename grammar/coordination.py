@@ -1,32 +1,82 @@
-"""Relations joined by `or` before one noun phrase: on or under the table, left or right of it."""
+"""What is said once for two: on or under the table, anna's and tom's keys, a red or blue cup."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 
-from grammar.cursor import TIME_GAP
+from grammar.closed import is_open
+from grammar.cursor import DETERMINERS, OWNERS, TIME_GAP
 from grammar.phrases import phrases
+from grammar.vocabulary import Lexicon
 from grammar.words import Word
 
 _SIDES = ("left", "right")
+_JOINTS = ("and", "or")
+_STRANDED = ("in", "on", "at")
 
 
-def spread(words: list[Word]) -> list[Word]:
-    """Give each of two relations its noun phrase: on the table or under the table."""
+def spread(words: list[Word], lexicon: Lexicon) -> list[Word]:
+    """Give each of two relations, owners or looks the noun phrase that is said once."""
+    words = _last_before(words)
     for k in range(1, len(words) - 2):
-        if words[k].text != "or":
+        if words[k].text not in _JOINTS:
             continue
-        size = _relation_at(words, k + 1)
-        sided = words[k - 1].text in _SIDES and words[k + 1].text in _SIDES
-        if not size or not (sided or _relation_ends(words, k)):
-            continue
-        start = k + 1 + size
-        end = next((i for i in range(start, len(words)) if words[i].text == TIME_GAP), len(words))
-        if start == end:
-            return words
-        link = [replace(words[k], text="of")] if sided else []
-        return [*words[:k], *link, *words[start:end], *words[k:]]
+        spread_ = _related(words, k) or _owned(words, k) or _looking(words, k, lexicon)
+        if spread_ is not None:
+            return spread_
     return words
+
+
+def _last_before(words: list[Word]) -> list[Word]:
+    """Say `last` before the preposition that ends a question: what room was it in last."""
+    if len(words) > 2 and words[-1].text == "last" and words[-2].text in _STRANDED:
+        return [*words[:-2], words[-1], words[-2]]
+    return words
+
+
+def _related(words: list[Word], k: int) -> list[Word] | None:
+    """Spread on the table or under the table, left or right of it."""
+    size = _relation_at(words, k + 1)
+    sided = words[k - 1].text in _SIDES and words[k + 1].text in _SIDES
+    if words[k].text != "or" or not size or not (sided or _relation_ends(words, k)):
+        return None
+    start = k + 1 + size
+    end = next((i for i in range(start, len(words)) if words[i].text == TIME_GAP), len(words))
+    if start == end:
+        return None
+    link = [replace(words[k], text="of")] if sided else []
+    return [*words[:k], *link, *words[start:end], *words[k:]]
+
+
+def _owned(words: list[Word], k: int) -> list[Word] | None:
+    """Spread anna's keys and tom's keys, my cup or your cup."""
+    if not (_is_owner(words[k - 1]) and _is_owner(words[k + 1])):
+        return None
+    end = _open_end(words, k + 2)
+    return [*words[:k], *words[k + 2 : end], *words[k:]] if end > k + 2 else None
+
+
+def _looking(words: list[Word], k: int, lexicon: Lexicon) -> list[Word] | None:
+    """Spread a light blue cup or a dark blue cup; looks that are joined by `and` are of one."""
+    looks = lexicon.attributes.keys() | lexicon.shades
+    first = k + 1 + (words[k + 1].text in DETERMINERS)
+    end = _open_end(words, first)
+    noun = next((i for i in range(first, end) if words[i].text not in looks), end)
+    if words[k].text != "or" or words[k - 1].text not in looks or not first < noun < end:
+        return None
+    start = next(i for i in range(k, -1, -1) if not i or words[i - 1].text not in looks)
+    owned = start > 0 and first == k + 1 and _is_owner(words[start - 1])
+    mine = words[start - 1 : start] if owned else []
+    return [*words[:k], *words[noun:end], words[k], *mine, *words[k + 1 :]]
+
+
+def _is_owner(word: Word) -> bool:
+    return word.text in OWNERS or (word.text.endswith("'s") and len(word.text) > 2)
+
+
+def _open_end(words: list[Word], start: int) -> int:
+    """Return where the open words at `start` end."""
+    return next((i for i in range(start, len(words)) if not is_open(words[i].text)), len(words))
 
 
 def _relation_at(words: list[Word], k: int) -> int:

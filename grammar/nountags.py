@@ -29,6 +29,7 @@ ON_PLACES = frozenset(
 _DENYING = frozenset(("no", "not", "never"))
 _THEIRS = frozenset(("his", "her", "their"))
 PEOPLE = KIN | words_of("kid child guest visitor boy girl man woman baby person dog cat")
+_LEADING = _PLACE_WORDS | DETERMINERS | frozenset(OWNERS)
 
 
 class NounTagger(ClauseTagger):
@@ -48,20 +49,21 @@ class NounTagger(ClauseTagger):
 
     def _or(self) -> bool:
         """In the kitchen or the hall: a place after `or` needs no preposition of its own."""
-        after_place = self._last() == "AT_PLACE"
+        following = self._next_place()
         self._emit("OR", "or", 1)
-        if after_place:
-            k = self.i
-            while (
-                self._text(k) in _PLACE_WORDS
-                or self._text(k) in DETERMINERS
-                or self._text(k) in OWNERS
-            ):
-                k += 1
-            place, end = self._place_at(k)
-            if place:
-                self._emit("AT_PLACE", place, end - self.i)
+        if following:
+            self._emit("AT_PLACE", following[0], following[1] - self.i)
         return True
+
+    def _next_place(self) -> tuple[str, int] | None:
+        """Return the place and its end that the word after this one begins, after a place."""
+        if self._last() != "AT_PLACE":
+            return None
+        k = self.i + 1
+        while self._text(k) in _LEADING:
+            k += 1
+        place, end = self._place_at(k)
+        return (place, end) if place else None
 
     def _place(self) -> bool:
         k = self.i

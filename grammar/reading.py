@@ -12,7 +12,7 @@ from grammar.cursor import TIME_GAP, Tagged
 from grammar.errors import Ambiguous, NotUnderstood, OutOfScope, QuestionError
 from grammar.forms import FormalQuery, ObjectTerm, TimeSlice
 from grammar.meaning import Meaning, MeaningError, query, readings
-from grammar.suggestions import spelled, suggestions
+from grammar.suggestions import suggestions
 from grammar.transform import Meanings
 from grammar.vocabulary import Lexicon
 from grammar.words import MAX_CHARACTERS, MAX_WORDS, Word, split
@@ -121,8 +121,11 @@ class Reading:
         """Return the query of a meaning; raises Ambiguous, and OutOfScope for what is no thing."""
         tagged = found.tagged
         try:
-            self._refuse_choice(meaning, found)
-            done = query(meaning, self.text, found.time, tagged.select, tagged.negated)
+            queries = tuple(
+                query(each, self.text, found.time, tagged.select, tagged.negated)
+                for each in readings(meaning)
+            )
+            done = queries[0] if len(queries) == 1 else self._as_one(queries, found)
         except MeaningError as error:
             raise self._refused(error, found.words) from error
         scope.refuse_late(self.text, done, found.words, self.lexicon)
@@ -137,19 +140,18 @@ class Reading:
             return OutOfScope(self.text, position, reason, hints)
         return NotUnderstood(self.text, position, f"I could not follow: {error}.", hints)
 
-    def _refuse_choice(self, meaning: Meaning, found: Terminals) -> None:
-        """Raise Ambiguous where `or` leaves open which thing or place is meant."""
-        choices = readings(meaning)
-        if len(choices) == 1:
-            return
-        tagged = found.tagged
-        queries = tuple(
-            query(c, self.text, found.time, tagged.select, tagged.negated) for c in choices
-        )
+    def _as_one(self, queries: tuple[FormalQuery, ...], found: Terminals) -> FormalQuery:
+        """Return what is one query in two words; raises Ambiguous where they are two queries."""
+        from grammar.choices import as_one, choices  # few questions say `or`
+
+        one = as_one(queries)
+        if one is not None:
+            return one
+        tags = found.tagged.tags
         raise Ambiguous(
             self.text,
-            next((t.word.start for t in tagged.tags if t.type in ("OR", "OR_ITEM")), 0),
-            "It asks one thing or another; ask for one at a time.",
-            tuple(spelled(done) for done in queries[:3]),
+            next((t.word.start for t in tags if t.type in ("OR", "OR_ITEM")), 0),
+            "It asks more than one thing; ask for one at a time.",
+            choices(self.text, found.words, tags, queries[:3], self.again),
             queries,
         )

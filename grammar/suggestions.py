@@ -80,6 +80,7 @@ _RELATIONS = {"in_front_of": "in front of", "left_of": "left of", "right_of": "r
 def spelled(query: FormalQuery) -> str:
     """Return a plain question for a query, to tell two readings apart."""
     named = " and ".join(phrase(term) for term in query.objects)
+    anything = bool(query.objects) and query.objects[0].category == ANYTHING
     if query.relation is not None and len(query.objects) > 1:
         first, *rest = (phrase(term) for term in query.objects)
         kind = _RELATIONS.get(query.relation.kind, query.relation.kind)
@@ -87,8 +88,12 @@ def spelled(query: FormalQuery) -> str:
     if query.place is not None:
         named += f" in the {query.place}"
     match query.ask:
+        case "where" if query.select == "last":
+            return f"Where is {named}?"
         case "where" | "when":
             return f"{query.ask.capitalize()} did you see {named}?"
+        case "what" if anything and not query.objects[0].attributes:
+            return f"What is {named.removeprefix('the thing ')}?"
         case "what":
             return f"Show me {named}"
         case _:

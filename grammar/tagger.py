@@ -30,7 +30,7 @@ _FLOATS: dict[str, Select] = {"last": "last", "first": "first", "usual": "usual"
 
 def tag(words: list[Word], lexicon: Lexicon, it: ObjectTerm | None = None) -> Tagged:
     """Return the terminals of a sentence whose times are taken out; `it` is what pronouns mean."""
-    return Tagger(spread(words), lexicon, it).run()
+    return Tagger(spread(words, lexicon), lexicon, it).run()
 
 
 class Tagger(RelationTagger):
@@ -67,13 +67,13 @@ class Tagger(RelationTagger):
                 return True
             self._emit("COMMA", text, 1)
             return True
-        if text in ("and", "&", "plus"):
+        joins = text in ("and", "&", "plus")
+        if text in ("or", "nor") or (joins and self._next_place()):
+            return self._or()
+        if joins:
             two = self._text(self.i + 1) == "not" and self._asks_two(self.i + 2)
             self._emit("UNKNOWN" if two else "AND", text, 1)
-            return True
-        if text in ("or", "nor"):
-            return self._or()
-        return False
+        return joins
 
     def _joint_part(self) -> bool:
         """With a blue cap and a white label: another part of the same thing."""
@@ -236,13 +236,12 @@ class Tagger(RelationTagger):
         return True
 
     def _float(self, terminal: str, said: str, size: int) -> bool:
-        if self._last() in ("DET", "OWNER") and self._open_at(self.i + size):
+        before_noun = self._last() in ("DET", "OWNER") and self._open_at(self.i + size)
+        if before_noun and terminal != "last":  # the last cup is the one seen last
             return False
-        if self.reader.compound_at(self.words, self.i):
+        if self.reader.compound_at(self.words, self.i) or (said, self._last()) == ("first", "DET"):
             return False
-        if said == "first" and self._last() == "DET":
-            return False
-        if self._last() == "DET" and self.out.tags[-1].value == "the":
+        if self._last() == "DET" and self.out.tags[-1].value == "the" and not before_noun:
             self.out.tags.pop()
         self.out.select = _FLOATS[terminal]
         self.i += size

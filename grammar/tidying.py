@@ -6,6 +6,9 @@ from grammar.cursor import Tag
 from grammar.forms import ANYTHING
 from grammar.nouns import PREDICATES, Attribute, Noun
 
+_SUPPORTS = ("on", "in", "under", "above")
+"""Relations that a thing has to one other at a time."""
+
 
 def tidied(tags: list[Tag]) -> list[Tag]:
     """Return the terminals with what only both neighbours tell."""
@@ -75,12 +78,24 @@ def _commas(tags: list[Tag]) -> list[Tag]:
     return out
 
 
+def _supports(joint: Tag, after: list[Tag], before: list[Tag]) -> bool:
+    """Whether a thing is said to lie on one thing and on another: each is asked for alone.
+
+    Near both is one place; on the table and on the chair are two.
+    """
+    kinds = [t.value for t in before if t.type == "REL"]
+    following = after[0] if after and after[0].type == "REL" else joint
+    return following.value in _SUPPORTS and following.value in kinds
+
+
 def _joined_attributes(tags: list[Tag]) -> list[Tag]:
     """Drop `and` between attributes, before a relation, and after another `and`."""
     out: list[Tag] = []
     for i, tag_ in enumerate(tags):
         before = out[-1].type if out else ""
         after = tags[i + 1].type if i + 1 < len(tags) else ""
+        if tag_.type == "AND" and _supports(tag_, tags[i + 1 :], out):
+            tag_ = Tag("OR", "and", tag_.word)
         if tag_.type == "AND":
             attributes = before == "ATTR" and after == "ATTR"
             ground = after in (
