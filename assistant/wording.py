@@ -21,19 +21,20 @@ FAIRLY_SURE, NOT_SURE = 0.5, 0.25
 """Scores are probabilities: "fairly sure" is more likely right than wrong."""
 
 
-def short_time(moment: datetime, now: datetime) -> str:
+def short_time(moment: datetime, now: datetime, *, brief: bool = False) -> str:
     """Return the clock time and the day as `now` would call it: "9:42 today", "17:05 Fri".
 
-    Both are said in the zone of `now`; days are calendar days of that zone.
+    Both are said in the zone of `now`; days are calendar days of that zone. brief: yesterday is
+    its weekday too, for a narrow column.
     """
     local = moment.astimezone(now.tzinfo)
     clock = f"{local.hour}:{local.minute:02d}"
     days = (now.date() - local.date()).days
     if days == 0:
         return f"{clock} today"
-    if days == 1:
+    if days == 1 and not brief:
         return f"{clock} yesterday"
-    if 1 < days < 7:
+    if 0 < days < 7:
         return f"{clock} {WEEKDAYS[local.weekday()]}"
     date = f"{local.day} {MONTHS[local.month - 1]}"
     return f"{clock} {date}" if local.year == now.year else f"{clock} {date} {local.year}"

@@ -14,13 +14,14 @@ from textual.containers import Container, Horizontal, Vertical, VerticalScroll
 from textual.events import Key
 from textual.message import Message
 from textual.screen import Screen
-from textual.widgets import Footer, Static
+from textual.widgets import Static
 
 from assistant.english import ago
 from assistant.protocols import Kind
 from assistant.session import Session
 from assistant.terminal import clean, width_of
 from assistant.ui.floor import Floor
+from assistant.ui.footer import KeyLine
 from assistant.ui.keys import SCREEN_KEYS
 from assistant.ui.lists import KeyframeList, QuestionList
 from assistant.ui.panels import FloorView, Timeline, exchange
@@ -168,7 +169,7 @@ class ChatScreen(Screen[None]):
         with Horizontal(id="ask"):
             yield Static("Ask:", id="ask-word", markup=False)
             yield Prompt(placeholder="where are my keys?", id="prompt")
-        yield Footer(show_command_palette=False, compact=True)
+        yield KeyLine()
 
     def on_mount(self) -> None:
         """Start on an empty conversation."""

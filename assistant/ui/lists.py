@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -10,7 +10,7 @@ from textual.message import Message
 from textual.widgets import OptionList
 
 from assistant.terminal import clean, shorten, width_of
-from assistant.wording import keyframe_row, place_words
+from assistant.wording import keyframe_row, place_words, short_time
 
 if TYPE_CHECKING:
     from datetime import datetime
@@ -22,36 +22,37 @@ if TYPE_CHECKING:
 _LIMITS = (16, 18, 36, 11, 15)
 """The widest a column may be: what, when, where, how sure, how often."""
 
-_PLACE = 2
-"""Which of the columns is the place."""
+_WHAT, _WHEN, _PLACE, _SEEN = 0, 1, 2, 4
+"""Which of the columns is which."""
 
-_SHORTEST_PLACE = 12
-"""The least that a place is shortened to, in cells, before a column is left out for it."""
+_SHORTEST = {_PLACE: 12, _WHAT: 8}
+"""The least that a column is shortened to, in cells, before another is left out for it."""
 
 
 def rows(keyframes: Sequence[RankedKeyframe], now: datetime, width: int) -> list[str]:
     """Return a line for each keyframe, its columns aligned, in at most `width` cells.
 
     The category is told only where there is more than one. Where they do not fit, the views
-    become a number, then the places are told in fewer words and shortened, and only then do
-    columns go from the right: time and place stay longest.
+    become a number, then places and days are told in fewer words, then places and categories are
+    shortened, and only then do columns go from the right: time and place stay longest.
     """
     table = [keyframe_row(keyframe, now) for keyframe in keyframes]
-    first = 0 if len({row[0] for row in table}) > 1 else 1
+    first = 0 if len({row[_WHAT] for row in table}) > 1 else 1
     kept = list(range(first, 5))
-    if _needed(table, kept) > width:
-        table = [(*row[:4], f"{k.seen}x") for k, row in zip(keyframes, table, strict=True)]
-    if _needed(table, kept) > width:
-        table = [
-            (*row[:_PLACE], clean(place_words(k, brief=True)), *row[_PLACE + 1 :])
-            for k, row in zip(keyframes, table, strict=True)
-        ]
-    while len(kept) > 2 and _needed(table, kept) > width + _spare(table):
+    briefer: tuple[tuple[int, Callable[[RankedKeyframe], str]], ...] = (
+        (_SEEN, lambda k: f"{k.seen}x"),
+        (_PLACE, lambda k: clean(place_words(k, brief=True))),
+        (_WHEN, lambda k: short_time(k.end, now, brief=True)),
+    )
+    for column, told in briefer:
+        if sum(_widths(table, kept)) > _room(kept, width):
+            table = [
+                (*row[:column], told(k), *row[column + 1 :])
+                for k, row in zip(keyframes, table, strict=True)
+            ]
+    while len(kept) > 2 and sum(_least(table, kept)) > _room(kept, width):
         kept.pop()
-    widths = _widths(table, kept)
-    if _PLACE in kept:
-        over = max(_needed(table, kept) - width, 0)
-        widths[kept.index(_PLACE)] -= min(over, _spare(table))
+    widths = _fitted(table, kept, width)
     lines = []
     for keyframe, row in zip(keyframes, table, strict=True):
         cells = [shorten(row[i], w) for i, w in zip(kept, widths, strict=True)]
@@ -64,13 +65,26 @@ def _widths(table: Sequence[tuple[str, ...]], kept: Sequence[int]) -> list[int]:
     return [min(_LIMITS[i], max((width_of(row[i]) for row in table), default=0)) for i in kept]
 
 
-def _spare(table: Sequence[tuple[str, ...]]) -> int:
-    """Return by how many cells the places can be shortened."""
-    return max(_widths(table, [_PLACE])[0] - _SHORTEST_PLACE, 0)
+def _least(table: Sequence[tuple[str, ...]], kept: Sequence[int]) -> list[int]:
+    """Return how wide the columns are when those are shortened that can be."""
+    widths = zip(kept, _widths(table, kept), strict=True)
+    return [min(width, _SHORTEST.get(i, width)) for i, width in widths]
 
 
-def _needed(table: Sequence[tuple[str, ...]], kept: Sequence[int]) -> int:
-    return 4 + sum(_widths(table, kept)) + 2 * (len(kept) - 1)
+def _fitted(table: Sequence[tuple[str, ...]], kept: Sequence[int], width: int) -> list[int]:
+    """Return the widths of the columns, shortened as far as they must be: places first."""
+    widths, least = _widths(table, kept), _least(table, kept)
+    for column in _SHORTEST:
+        over = sum(widths) - _room(kept, width)
+        if column in kept and over > 0:
+            at = kept.index(column)
+            widths[at] = max(widths[at] - over, least[at])
+    return widths
+
+
+def _room(kept: Sequence[int], width: int) -> int:
+    """Return the cells that are left for the columns beside the number and the gaps."""
+    return width - 4 - 2 * (len(kept) - 1)
 
 
 class MarkedList(OptionList):

@@ -124,3 +124,18 @@ def test_keys_come_from_a_settings_file(tmp_path: Path) -> None:
     path.write_text('keys = "f1"\n')
     with pytest.raises(config.SettingsError, match="it must be a table"):
         config.load(lambda: small_home.NOW, {}, (path,))
+
+
+@pytest.mark.parametrize("width", [40, 44, 50, 57, 60, 72, 76, 80, 160])
+async def test_the_footer_has_whole_keys_the_way_out_among_them(width: int) -> None:
+    async with chat(size=(width, 20)) as c:
+        footer = c.app.chat.query_one(Footer)
+        keys = [key for key in footer.children if key.display]
+        said = [str(key.render()) for key in keys]
+        assert {"f1 Help", "^q Quit"} <= set(said)
+        assert sum(len(each) + 1 for each in said) - 1 <= width
+        assert all(key.region.width >= len(each) for key, each in zip(keys, said, strict=True))
+        assert (len(keys) == 9) == (width >= 76)
+        await c.pilot.resize_terminal(160, 20)
+        await c.pilot.pause()
+        assert sum(key.display for key in footer.children) == 9

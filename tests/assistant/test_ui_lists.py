@@ -47,9 +47,20 @@ def test_long_places_are_shortened_before_a_column_goes(width: int) -> None:
 def test_a_long_place_loses_its_small_words_first() -> None:
     """In the 60 cells of the wide chat's list, and whole where there is room."""
     first, second = rows(BOTH, NOW, 60)
-    assert first == " 1  19:00 today      living room, coffee…   fairly sure  3x"
-    assert second == " 2  20:00 yesterday  hall, shelf            fairly sure  12x"
+    assert first == " 1  19:00 today  living room, coffee table  fairly sure  3x"
+    assert second == " 2  20:00 Thu    hall, shelf                fairly sure  12x"
     assert "living room, by the coffee table  fairly sure  3x" in rows(BOTH, NOW, 76)[0]
+
+
+@pytest.mark.parametrize("width", [57, 60, 76, 120])
+def test_a_mixed_list_keeps_how_often_things_were_seen(width: int) -> None:
+    """The list of the wide chat has 57 cells, however wide the window is."""
+    mixed = [FIRST, replace(BOTH[1], category="washing machine"), replace(FIRST, rank=3)]
+    lines = rows(mixed, NOW, width)
+    assert all(width_of(line) <= width for line in lines)
+    assert "12x" in lines[1] or "seen 12 times" in lines[1]
+    assert "washing" in lines[1]
+    assert all("fairly sure" in line for line in lines)
 
 
 def test_in_a_narrow_list_time_and_place_stay() -> None:
