@@ -11,12 +11,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from math import prod
 
+from d3a.joins import meeting
 from d3a.match import Candidate
 from d3a.moments import Found, joined
 from d3a.rank import LEAST_OF_BEST, TENTATIVE
 from d3a.run import Run, milliseconds
-from d3a.steps import FindSightings
-from d3a.store.base import Sighting
+from d3a.steps import FilterPlace, FindSightings, JudgeAttributes, KeepPresent, Relate
+from d3a.store.base import Encounter, Sighting
 
 READ_A_KEYFRAME = 2
 """Sightings that are read for each keyframe that may be shown."""
@@ -63,6 +64,30 @@ def find_joined(run: Run, step: FindSightings) -> None:
         run.reached |= run.found.keys()
         start = run.since_ms or None
     table.sightings = run.facts.sightings(table.ids, start, end)
+
+
+def finds_stays_late(run: Run) -> bool:
+    """Whether stays are read of what meets in time alone: of thousands of sightings one in ten.
+
+    So of one relation that two things must stand in at once, where nothing else narrows it.
+    """
+    relates = [step for step in run.steps if isinstance(step, Relate)]
+    if not run.cut or len(relates) != 1 or run.rooms:
+        return False
+    relate = relates[0]
+    at_once = relate.kind != "same_place" and not relate.negated and relate.keep == "moments"
+    more = any(isinstance(s, FilterPlace | KeepPresent | JudgeAttributes) for s in run.steps)
+    found = [run.found[var].candidates for var in relate.vars]
+    return at_once and not more and len(found) == 2 and all(found)
+
+
+def find_stays_late(
+    run: Run, figure: Found, ground: Found, encounters: Sequence[Encounter]
+) -> None:
+    """Find the stays of those sightings that may meet."""
+    met = meeting(figure.sightings, ground.sightings, encounters)
+    for table, sightings in zip((figure, ground), met, strict=True):
+        table.stays = run.facts.stays_of(sightings)
 
 
 def keep_since(run: Run, tables: Sequence[Found]) -> None:

@@ -13,7 +13,13 @@ from typing import assert_never
 
 from d3a.answer import Answer
 from d3a.attributes import judged
-from d3a.bounded import find_bounded, find_joined, keep_since
+from d3a.bounded import (
+    find_bounded,
+    find_joined,
+    find_stays_late,
+    finds_stays_late,
+    keep_since,
+)
 from d3a.changes import Slice, missing, moved, usual
 from d3a.conclude import conclude
 from d3a.facts import Facts
@@ -249,7 +255,7 @@ def _find_edge(run: Run, step: FindEdge) -> None:
 
 def _find_stays(run: Run, step: FindStays) -> None:
     table = run.found[step.var]
-    if table.sightings:
+    if table.sightings and not finds_stays_late(run):
         table.stays = run.facts.stays_of(table.sightings, whole=run.needs_stays(step.var))
 
 
@@ -295,6 +301,7 @@ def _relate(run: Run, step: Relate) -> None:
         return
     found = [_related(run, step, figure, ground) for ground in grounds]
     if not all(one.judged for one in found):
+        _find_all_stays(run, figure)
         run.leave_out(run.relation_words(step, [run.term(var) for var in step.vars[1:]]))
         return
     run.before_relation[step.vars[0]] = list(figure.sightings)
@@ -315,6 +322,14 @@ def _relate(run: Run, step: Relate) -> None:
         for ground, related in zip(grounds[1:], found[1:], strict=True):
             more = pair_moments(related, figure, ground)
             run.moments = chain_moments(run.moments, more)
+        if not run.moments:
+            _find_all_stays(run, figure)
+
+
+def _find_all_stays(run: Run, figure: Found) -> None:
+    """Find where the figure was ever: it is told without the relation."""
+    if finds_stays_late(run):
+        figure.stays = run.facts.stays_of(figure.sightings)
 
 
 def _related(run: Run, step: Relate, figure: Found, ground: Found) -> Related:
@@ -329,6 +344,8 @@ def _related(run: Run, step: Relate, figure: Found, ground: Found) -> Related:
             start_ms=first if start is None else max(first, start),
             end_ms=last if end is None else min(last, end - 1),
         )
+    if finds_stays_late(run):
+        find_stays_late(run, figure, ground, encounters)
     once = step.kind in SYMMETRIC
     usual = run.facts.usual_grounds(step.kind, run.lexicon)
     return relate(step.kind, figure, ground, encounters, run.parameters, once=once, usual=usual)

@@ -120,6 +120,32 @@ def links(
     return sorted(found, key=lambda k: (k.start_ms, k.figure, k.ground))
 
 
+def meeting(
+    one: Sequence[Sighting], other: Sequence[Sighting], encounters: Sequence[Encounter]
+) -> tuple[list[Sighting], list[Sighting]]:
+    """Return of either list what may make a link with the other, by time alone; in their order.
+
+    What overlaps something of the other, and the stays that a shared frame shows.
+    """
+    shown = {
+        stay for e in encounters for stay in ((e.object_a, e.place_a), (e.object_b, e.place_b))
+    }
+    spans = _intervals(one), _intervals(other)
+    met = _met(*spans).tolist(), _met(*spans[::-1]).tolist()
+    return (
+        [s for s, overlaps in zip(one, met[0], strict=True) if overlaps or s.stay in shown],
+        [s for s, overlaps in zip(other, met[1], strict=True) if overlaps or s.stay in shown],
+    )
+
+
+def _met(span_a: Intervals, span_b: Intervals) -> NDArray[np.bool_]:
+    """Return which of the first overlap any of the second, both (n, 2)."""
+    ordered = span_b[np.argsort(span_b[:, 0], kind="stable")]
+    last = np.maximum.accumulate(np.append(np.iinfo(np.int64).min, ordered[:, 1]))
+    begun = np.searchsorted(ordered[:, 0], span_a[:, 1], side="right")
+    return np.asarray(last[begun] >= span_a[:, 0])
+
+
 def _is_mirrored(link: Link, figure: Found, ground: Found) -> bool:
     a, b = link.figure[0], link.ground[0]
     return a > b and b in figure.candidates and a in ground.candidates
@@ -182,8 +208,7 @@ def _overlapping(
     """Return sightings whose intervals overlap and whose positions are within reach."""
     rows_a, place_a = _placed(figure)
     rows_b, place_b = _placed(ground)
-    span_a = np.array([(s.start_ms, s.end_ms) for s in rows_a], dtype=np.int64).reshape(-1, 2)
-    span_b = np.array([(s.start_ms, s.end_ms) for s in rows_b], dtype=np.int64).reshape(-1, 2)
+    span_a, span_b = _intervals(rows_a), _intervals(rows_b)
     meeting = _everyone(len(rows_a), len(rows_b)) if timeless else _at_once(span_a, span_b)
     found: list[tuple[Sighting, Sighting]] = []
     for i, j in meeting:
@@ -192,6 +217,12 @@ def _overlapping(
         pairs = zip(i[near].tolist(), j[near].tolist(), strict=True)
         found += [(rows_a[a], rows_b[b]) for a, b in pairs]
     return found
+
+
+def _intervals(sightings: Sequence[Sighting]) -> Intervals:
+    """Return start and end of each (n, 2)."""
+    spans = [(s.start_ms, s.end_ms) for s in sightings]
+    return np.array(spans, dtype=np.int64).reshape(-1, 2)
 
 
 def _placed(found: Found) -> tuple[list[Sighting], NDArray[np.float64]]:

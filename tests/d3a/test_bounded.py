@@ -200,6 +200,26 @@ def test_a_relation_is_looked_for_from_when_on_all_of_its_things_are_read(
     assert whole.keyframes == answer.keyframes
 
 
+def test_what_was_seen_without_the_other_is_told_where_it_was(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    home = Home()
+    for number, name in enumerate(("cup", "bowl")):
+        home.thing(name, name)
+        for minute in range(-60, 0, 2):
+            home.seen(name, minute + number, minute + number + 0.2, at=(5.0 * number, 1.0, 0.0))
+    store = home.into(OracleStore())
+    whole = told(store, "Did you see a bowl with a cup?")
+    monkeypatch.setattr(bounded, "MOST_JOINED", 20)
+    monkeypatch.setattr(facts, "FEW_SIGHTINGS", 1)
+    answer = told(home.into(OracleStore()), "Did you see a bowl with a cup?")
+    assert answer.status == whole.status == "not_found"
+    assert answer.truncated
+    assert answer.otherwise == whole.otherwise
+    assert answer.otherwise is not None
+    assert answer.otherwise.position == (5.0, 1.0, 0.0)
+
+
 @pytest.mark.parametrize(("at", "found"), [(-54.9, False), (-37, True), (-9.9, False)])
 def test_shared_frames_are_read_where_both_things_were_seen(at: float, found: bool) -> None:
     home = Home()

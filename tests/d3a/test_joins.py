@@ -9,11 +9,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from d3a import joins
-from d3a.joins import links
+from d3a.joins import links, meeting
 from d3a.match import Candidate
-from d3a.moments import Found
-from d3a.store.base import ObjectRecord, Sighting, StayKey, StayRecord
+from d3a.moments import Found, extents
+from d3a.store.base import Encounter, ObjectRecord, Sighting, StayKey, StayRecord
 
+BOX = (0.0, 0.0, 1.0, 1.0)
 Rows = list[tuple[int, int, int, float]]
 rows = st.lists(
     st.tuples(st.integers(0, 2), st.integers(0, 30), st.integers(0, 9), st.floats(0, 3)),
@@ -29,8 +30,7 @@ def found_of(prefix: str, drawn: Rows) -> Found:
         table.candidates[name] = Candidate(ObjectRecord(name, prefix, 1.0, 0, 99), 1.0)
         stay = StayRecord(name, place, (x, 0.0, 0.0), start, start + length, 1.0)
         table.stays[stay.key] = stay
-        box = (0.0, 0.0, 1.0, 1.0)
-        table.sightings.append(Sighting(name, place, start, start + length, "f", 0.9, box))
+        table.sightings.append(Sighting(name, place, start, start + length, "f", 0.9, BOX))
     return table
 
 
@@ -59,6 +59,44 @@ def test_they_meet_as_a_loop_over_all_pairs_says(
         patch.setattr(joins, "_PART", part)
         met = links(one, other, (), reach_m=1.0, timeless=timeless)
     assert [key_of(link.start_ms, link.figure, link.ground) for link in met] == want
+
+
+@given(figures=rows, grounds=rows, shared=st.lists(st.tuples(*[st.integers(0, 11)] * 3)))
+def test_what_may_meet_holds_whatever_is_linked(
+    figures: Rows, grounds: Rows, shared: list[tuple[int, int, int]]
+) -> None:
+    one, other = found_of("a", figures), found_of("b", grounds)
+    frames = [
+        Encounter(a.object_id, b.object_id, a.place, b.place, at, at + 9, "f", BOX, BOX, 0.9)
+        for i, j, at in shared
+        if i < len(one.sightings) and j < len(other.sightings)
+        for a, b in [(one.sightings[i], other.sightings[j])]
+    ]
+    told = meeting(one.sightings, other.sightings, frames)
+    linked = links(one, other, frames, reach_m=9.0)
+    for table, some, side in ((one, told[0], 0), (other, told[1], 1)):
+        stays = {link[side] for link in linked}
+        assert stays <= {s.stay for s in some}
+        assert [s for s in table.sightings if s in some] == some
+    shown = {(e.object_a, e.place_a) for e in frames}
+    for a in one.sightings:
+        overlaps = any(a.start_ms <= b.end_ms and b.start_ms <= a.end_ms for b in other.sightings)
+        assert (a in told[0]) == (overlaps or a.stay in shown)
+
+
+def test_what_nothing_measured_is_as_large_as_its_like() -> None:
+    table = Found()
+    sizes = {"a": (1.5, 0.75), "b": (1.1, 0.85), "c": (1.3, 0.8), "d": None}
+    for name, size in sizes.items():
+        record = ObjectRecord(name, "table", 1.0, 0, 99, extent_m=size)
+        table.candidates[name] = Candidate(record, 1.0)
+    lamp = ObjectRecord("lamp", "lamp", 1.0, 0, 99)
+    table.candidates["lamp"] = Candidate(lamp, 1.0)
+    found = extents(table, ["d", "a", "lamp", "d"]).tolist()
+    assert found[:2] == [[1.3, 0.8], [1.5, 0.75]]
+    assert found[3] == found[0]
+    assert all(math.isnan(side) for side in found[2])
+    assert extents(table, []).shape == (0, 2)
 
 
 def key_of(start_ms: int, figure: StayKey, ground: StayKey) -> tuple[int, StayKey, StayKey]:
