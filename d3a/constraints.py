@@ -191,6 +191,11 @@ def part_key(number: int, part: int) -> str:
     return f"correction:{number}:{part}"
 
 
+def look_key(number: int) -> str:
+    """Return the key of the store's meta for the look that a correction taught."""
+    return f"look:{number}"
+
+
 def packed(correction: Correction) -> tuple[Correction, dict[str, Any]]:
     """Return the correction as the history keeps it, and the meta entries of its records."""
     before, after = correction.before, correction.after
@@ -215,9 +220,12 @@ def packed(correction: Correction) -> tuple[Correction, dict[str, Any]]:
 
 
 def removed(correction: Correction) -> dict[str, Any]:
-    """Return the meta entries that remove what a correction replaced."""
+    """Return the meta entries that remove what a correction replaced, or a look that it keeps."""
     parts = correction.arguments.get("parts", 0)
-    return {part_key(correction.number, part): None for part in range(parts)}
+    keys = [part_key(correction.number, part) for part in range(parts)]
+    if correction.kind == "look":
+        keys.append(look_key(correction.number))
+    return dict.fromkeys(keys)
 
 
 def history_meta(history: History) -> dict[str, Any]:

@@ -27,11 +27,14 @@ from d3a.retention import retain
 from d3a.sieve import Sieve, Sifted
 from d3a.store.base import Region, Store
 from d3a.store.lease import Lease, leased
+from d3a.taught_looks import search_later
 
 Progress = Callable[[int, int | None], None]
 """Called with the frames done and their number, None where that is unknown."""
 Note = Callable[[str], None]
 """Told, in a sentence, what a person may have overlooked."""
+PICTURES_A_CHECKPOINT = 16
+"""So many are searched for taught things when a growing recording is written; the rest later."""
 UNPLACED_FRAMES = 50
 """After so many frames without any pose a person is told, and needs not wait for the end."""
 UNPLACED = (
@@ -152,7 +155,8 @@ class _Run:
         max_frames: int | None,
         assignments: Path | None,
     ) -> IngestSummary:
-        frames, associator = self._begin(lease)
+        self._fence = lease.fence
+        frames, associator = self._begin()
         had = associator.record
         log = AssignmentLog.open(assignments, associator.consumed, had.frames > 0)
         with closing(self._readied(self._sifted(frames, associator))) as readied:
@@ -168,12 +172,13 @@ class _Run:
             self._checkpoint(associator, log, done=True)
         log.close(done=not stopped)
         if not stopped:
+            self._search_for_taught(associator)
             with self._stopwatch.stage("store"):
                 old = retain(self._store)
             self._forgotten = 0 if old is None else old.intervals
         return self._summary(associator, had.frames)
 
-    def _begin(self, lease: Lease) -> tuple[Iterator[Frame | None], Associator]:
+    def _begin(self) -> tuple[Iterator[Frame | None], Associator]:
         """Return the recording's frames, and the associator where the store has them up to now."""
         check_filled_alike(self._store, self._parameters, self._model)
         frames: Iterator[Frame | None] = iter(self._reader)
@@ -192,7 +197,7 @@ class _Run:
             classes=tuple(n for n in self._detector.classes if not self._intake.ignores(n)),
         )
         self._preparation = self._prepared_for(facts)
-        associator = Associator(self._store, self._parameters, facts, key, self._model, lease.fence)
+        associator = Associator(self._store, self._parameters, facts, key, self._model, self._fence)
         return chain([first], frames), associator
 
     def _take_all(
@@ -222,6 +227,8 @@ class _Run:
             if is_due and self._frames > written:
                 with pulse.beat():
                     self._checkpoint(associator, log)
+                    if self._live.fresh_s is not None:
+                        self._search_for_taught(associator, at_most=PICTURES_A_CHECKPOINT)
                 marked, written = associator.consumed, self._frames
             if stopped:
                 return True
@@ -229,6 +236,16 @@ class _Run:
         if stopped and self._frames > written:
             self._checkpoint(associator, log)
         return stopped
+
+    def _search_for_taught(self, associator: Associator, at_most: int | None = None) -> None:
+        """Search new pictures for what people taught by a box; those that will not change now."""
+        record = associator.record
+        if record.last_ms is not None:
+            longest_s = max(self._parameters.interval_gap_s, self._parameters.unbroken_gap_s)
+            open_ms = 0 if at_most is None else round(longest_s * 1000)
+            with self._stopwatch.stage("detect"):
+                until_ms = record.last_ms - open_ms
+                search_later(self._store, record.name, until_ms, self._fence, at_most)
 
     def _readied(self, sifted: Iterator[Sifted | None]) -> Generator[Ready | None]:
         if self._jobs.is_here:

@@ -2,17 +2,25 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
+from contextlib import closing
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
 
 from d3a import images, teaching
 from d3a.answer import is_by_look
-from d3a.constraints import HISTORY, SAID
+from d3a.constraints import HISTORY, SAID, Correction
 from d3a.corrections import UnknownThing
+from d3a.forgetting import forget, plan_forgetting
+from d3a.forgotten import Selection
 from d3a.ingest import ingest
-from d3a.model import BadInput, Box, Json
+from d3a.live import Live
+from d3a.look_search import Look, search
+from d3a.model import BadInput, Box, Frame, Json
 from d3a.parameters import PROFILES
 from d3a.readers.base import RecordingFacts
 from d3a.store.base import (
@@ -24,7 +32,7 @@ from d3a.store.base import (
     Store,
     TaughtName,
 )
-from d3a.taught_looks import search, teach_look
+from d3a.taught_looks import search_later, teach_look
 from tests.worlds.oracle import OracleStore
 from tests.worlds.rounds import ListReader, Thing, circle, rounds
 
@@ -94,7 +102,7 @@ def overlap(a: Box, b: Box) -> float:
 @pytest.mark.parametrize("scale", [1, 4])
 def test_it_is_found_where_it_is_and_nowhere_else(scale: int) -> None:
     """The store may hold a smaller picture than the frame that boxes are told in."""
-    finds = search(fill(OracleStore(), scale=scale), "p0", box_at((60, 50), scale))
+    finds = search(fill(OracleStore(), scale=scale), "p0", box_at((60, 50), scale))[1]
     assert [find.image for find in finds[:1]] == ["p0"]
     assert sorted(find.image for find in finds[1:]) == ["p1", "p3"]
     for find in finds[1:]:
@@ -144,7 +152,7 @@ def test_a_look_that_is_everywhere_finds_no_more_than_chance() -> None:
         jpeg = images.encode(pixels, WIDTH, 90)
         doubled.append(Keyframe(key, jpeg, WIDTH, HEIGHT, 60_000 * n))
     store.apply(Batch(keyframes=doubled))
-    assert len(search(store, "p0", box_at((30, 30)))) <= 2
+    assert len(search(store, "p0", box_at((30, 30)))[1]) <= 2
 
 
 @pytest.mark.parametrize(
@@ -178,7 +186,7 @@ def test_damaged_pictures_are_left_out() -> None:
     whole = store.keyframe("p1")
     assert whole is not None
     store.apply(Batch(keyframes=[Keyframe("p1", whole.jpeg[:200], WIDTH, HEIGHT, 60_000)]))
-    assert [f.image for f in search(store, "p0", box_at((60, 50)))] == ["p0", "p3"]
+    assert [f.image for f in search(store, "p0", box_at((60, 50)))[1]] == ["p0", "p3"]
     with pytest.raises(BadInput, match="damaged"):
         search(store, "p1", box_at((150, 90)))
 
@@ -203,3 +211,108 @@ def test_a_later_recording_keeps_it(profile: str) -> None:
     teaching.undo(store)
     assert not [r for r in store.dump() if r.get("object_id") == done.arguments["new"]]
     assert store.check() == []
+
+
+SHOWN = {13: (150, 90), 16: (20, 20), 19: (100, 60)}
+"""Where the thing is in frames of the second recording."""
+FLEETING = PROFILES["default"].with_changes(interval_gap_s=0.1, checkpoint_frames=3)
+"""Each frame is an interval of its own, so that each picture is kept."""
+
+
+def recorded() -> list[Frame]:
+    """Return 24 frames with pictures: the thing is in the first, and in those of SHOWN."""
+    frames = rounds([Thing("cup", circle(1.5, 8)[0], 0, since=0, until=10**9)], 24, 3, missed=0)
+    places = {0: (60, 50)} | SHOWN
+    return [
+        replace(frame, image=room(n, places.get(n), colours=GADGET))
+        for n, frame in enumerate(frames)
+    ]
+
+
+def taught(store: Store) -> tuple[list[Frame], Correction]:
+    """Fill a store with the first half, and teach the thing in its first picture."""
+    frames = recorded()
+    ingest(ListReader(frames[:12]), store, FLEETING)
+    key = f"{store.recordings()[0].name}/{frames[0].name}"
+    return frames, teach_look(store, key, box_at((60, 50)), "gadget", "me")
+
+
+SECOND = RecordingFacts("second", zone="UTC")
+
+
+def seen(store: Store, done: Correction) -> list[str | None]:
+    return [s.image for s in store.sightings(object_ids=[done.arguments["new"]])]
+
+
+def test_pictures_that_come_later_are_searched_too(make_store: Callable[[], Store]) -> None:
+    with closing(make_store()) as store:
+        frames, done = taught(store)
+        assert len(seen(store, done)) == 1
+        ingest(ListReader(frames[12:], SECOND), store, FLEETING)
+        assert seen(store, done)[1:] == [f"second/{frames[n].name}" for n in SHOWN]
+        for sighting, at in zip(
+            store.sightings(object_ids=[done.arguments["new"]])[1:], SHOWN.values(), strict=True
+        ):
+            assert sighting.box == pytest.approx(box_at(at), abs=12)
+        (thing,) = store.objects(ids=[done.arguments["new"]])
+        assert thing.last_ms == frames[max(SHOWN)].time_ms
+        assert {s.tentative for s in store.stays(object_ids=[thing.object_id])} == {False}
+        assert store.check() == []
+        content = [r for r in store.dump() if r.get("key") != HISTORY]
+        assert ingest(ListReader(frames[12:], SECOND), store, FLEETING).already
+        assert [r for r in store.dump() if r.get("key") != HISTORY] == content, "searched once"
+        teaching.undo(store)
+        assert not [r for r in store.dump() if str(r.get("key")).startswith("look:")]
+        assert seen(store, done) == []
+        assert store.check() == []
+
+
+def test_an_ingest_in_parts_finds_what_a_whole_one_does() -> None:
+    stores = []
+    for cuts in ([None], [5, None], [1, 1, 4, None]):
+        store = OracleStore()
+        frames, _ = taught(store)
+        for cut in cuts:
+            ingest(ListReader(frames[12:], SECOND), store, FLEETING, max_frames=cut)
+        stores.append(list(store.dump()))
+    assert stores[0] == stores[1] == stores[2]
+
+
+def test_a_watch_searches_as_it_goes_a_few_pictures_at_a_time(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    whole, store = OracleStore(), OracleStore()
+    frames, done = taught(whole)
+    ingest(ListReader(frames[12:], SECOND), whole, FLEETING)
+    taught(store)
+    searched: list[int] = []
+
+    def noting(*args: Any) -> int:
+        found: int = search_later(*args)
+        searched.append(len(seen(store, done)))
+        return found
+
+    monkeypatch.setattr("d3a.ingest.search_later", noting)
+    monkeypatch.setattr("d3a.ingest.PICTURES_A_CHECKPOINT", 2)
+    ingest(ListReader(frames[12:], SECOND), store, FLEETING, live=Live(0.0))
+    assert len(searched) > 5
+    assert {1, 2, 3, 4} <= set(searched), "found as it went"
+    assert seen(store, done) == seen(whole, done)
+
+
+def test_a_look_is_not_searched_for_once_it_is_forgotten_or_undone() -> None:
+    store = OracleStore()
+    frames, done = taught(store)
+    forget(store, plan_forgetting(store, Selection(object_ids=frozenset({done.arguments["new"]}))))
+    assert "look:" not in "".join(str(r.get("key")) for r in store.dump())
+    ingest(ListReader(frames[12:], SECOND), store, FLEETING)
+    assert seen(store, done) == []
+    assert store.check() == []
+
+
+def test_a_look_read_back_is_the_very_same() -> None:
+    look, _ = search(fill(OracleStore()), "p0", box_at((60, 50)))
+    again = Look.of_json(json.loads(json.dumps(look.to_json())))
+    for name in ("shares", "colours", "worth", "wanted"):
+        assert np.array_equal(getattr(look, name), getattr(again, name))
+    assert (look.size, look.step, look.level) == (again.size, again.step, again.level)
