@@ -49,6 +49,8 @@ _YES = frozenset(
 )
 _NO = frozenset({"no", "no thanks", "no thank you", "nope", "better not"})
 """What is said to the one thing that was offered."""
+_OTHER = frozenset({"the other", "the other one", "other", "the latter"})
+"""What is said to the second of two."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,7 +106,9 @@ class Conversation:
             return self._said.text
         if said in _YES and len(choices) == 1:
             return choices[0]
-        number = row_of(said) if len(said.split()) <= 3 else None
+        if said in _OTHER and len(choices) == 2:
+            return choices[1]
+        number = row_of(said) if len(said.split()) <= 3 and said not in _OTHER else None
         if choices and number is not None and -1 <= number <= len(choices) and number != 0:
             return choices[number - 1 if number > 0 else -1]
         return text
@@ -170,7 +174,7 @@ class Conversation:
         nearby: Keep | None = None
         nothing = ""
         if row is not None and is_beside(query, seen):
-            nearby, nothing = (lambda k: not same_place(k, row)), "I saw it nowhere else then."
+            nearby, nothing = (lambda k: not same_place(k, row)), _nowhere_else(query)
         elif row is not None and _THERE.search(answer.text.lower()):
             nearby, nothing = (lambda k: same_place(k, row)), "I did not see it there then."
         if meant is not None:
@@ -307,6 +311,11 @@ class Conversation:
         if said.last is not None and (spoken or said.last.text == text):
             text = write(said.last)
         return explain(self._store, text, now=self._now()).to_text()
+
+
+def _nowhere_else(query: FormalQuery) -> str:
+    beside = "before" if query.time is not None and query.time.start is None else "after"
+    return f"I did not see it anywhere else {beside} that."
 
 
 def _plain(text: str) -> str:

@@ -94,14 +94,14 @@ def _corrected(words: list[Word], times: list[Found]) -> tuple[list[Word], list[
 
 
 def _without(words: list[Word], times: list[Found]) -> list[Word]:
-    """Return the words with a gap where a time, or a list of times, was."""
+    """Return the words with a gap where a time, or a list of times, was: as long as it."""
     rest: list[Word] = []
     last = 0
     listed = _listed(times, [w.text for w in words])
     for i, time in enumerate(times):
         joined = listed is not None and listed[0] < i <= listed[1]
         rest += [] if joined else words[last : time.first]
-        rest.append(replace(words[time.first], text=TIME_GAP))
+        rest.append(replace(words[time.first], text=TIME_GAP, end=words[time.last - 1].end))
         last = time.last
     return rest + words[last:]
 

@@ -133,7 +133,7 @@ class Reading:
 
     def _refused(self, error: MeaningError, rest: list[Word]) -> QuestionError:
         words = [w for w in rest if w.text != TIME_GAP]
-        hints = suggestions(rest, self.lexicon)
+        hints = suggestions(rest, self.lexicon, self.text)
         position = words[-1].start if words else 0
         if error.state:
             reason = f"A memory of sightings cannot answer that: {error}."

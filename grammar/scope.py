@@ -349,8 +349,12 @@ def refuse_noise(
                 text,
                 noun.word.start,
                 f"I do not know “{value.said}”.",
-                suggestions(rest, lexicon),
+                suggestions(rest, lexicon, text),
             )
+
+
+_LOOKS = words_of("color colour shape size material pattern")
+"""What is known of a thing's look: it is looked for, never told."""
 
 
 def unread(
@@ -361,7 +365,11 @@ def unread(
     stopped = word or (words[-1] if words else None)
     position = stopped.start if stopped is not None else 0
     said = text[stopped.start : stopped.end] if stopped is not None else text.strip()
-    hints = suggestions(rest, lexicon)
+    hints = suggestions(rest, lexicon, text)
+    if len(words) > 1 and words[0].text in ("what", "which") and words[1].text in _LOOKS:
+        look = words[1]
+        reason = f"I do not tell the {look.text} of a thing, but I look for one that you name"
+        return OutOfScope(text, look.start, f"{reason}: the red cup, the small box.", hints)
     if words and (asks(words) or words[0].text in _lists()["command"]):
         if _garbled(words) and not any(t.type == "WHO" for t in tagged.tags):
             return NotUnderstood(text, position, f"I could not follow at “{said}”.", hints)

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from grammar.closed import is_open
-from grammar.cursor import OWNERS
+from grammar.cursor import OWNERS, TIME_GAP
 from grammar.forms import ANYTHING, FormalQuery, ObjectTerm
 from grammar.nouns import Attribute, Noun, NounReader
 from grammar.phrases import breaks
@@ -14,15 +14,22 @@ from grammar.vocabulary import Lexicon, files
 from grammar.words import Word
 
 
-def suggestions(words: list[Word], lexicon: Lexicon) -> tuple[str, ...]:
-    """Return up to three questions that do parse and share words with this one."""
+def suggestions(words: list[Word], lexicon: Lexicon, text: str = "") -> tuple[str, ...]:
+    """Return up to three questions that do parse and share words with this one.
+
+    text: the question, where the time that was said in it is to stay; it can be placed then.
+    """
     nouns = _nouns(words, lexicon)
     if not nouns:
         return ()
     first = nouns[0]
+    times = [text[w.start : w.end] for w in words if w.text == TIME_GAP]
+    other = f" near {nouns[1].said}" if len(nouns) > 1 else ""
+    if len(times) == 1 and times[0]:
+        found = [f"Where {first.was} {first.said}", f"When did you see {first.said}"]
+        return tuple(f"{each} {times[0]}?" for each in (*found, f"Did you see {first.said}{other}"))
     found = [f"Where {first.be} {first.said}?", f"When did you last see {first.said}?"]
-    other = f" near {nouns[1].said}" if len(nouns) > 1 else " today"
-    return (*found, f"Did you see {first.said}{other}?")
+    return (*found, f"Did you see {first.said}{other or ' today'}?")
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,6 +38,11 @@ class _Mentioned:
 
     said: str
     be: str
+
+    @property
+    def was(self) -> str:
+        """The verb of what is over."""
+        return "were" if self.be == "are" else "was"
 
 
 def _nouns(words: list[Word], lexicon: Lexicon) -> list[_Mentioned]:

@@ -92,6 +92,9 @@ def test_how_long_ago_is_of_the_last_time(text: str, select: str) -> None:
         ("is the milk cold", "Where is the milk?"),
         ("is the soup cold", "Where is the soup?"),
         ("where was the cup tomorrow", "Where is the cup?"),
+        ("is the soup cold yesterday", "Where was the soup yesterday?"),
+        ("were the keys open between 3 and 4 pm", "Where were the keys between 3 and 4 pm?"),
+        ("what color is my bag", "Where is my bag?"),
     ],
 )
 def test_a_state_or_a_future_is_refused_with_what_may_be_asked_of_the_thing(
@@ -187,3 +190,13 @@ def test_a_floor_with_a_number_is_a_place() -> None:
 def test_a_chance_asks_whether() -> None:
     query = read("any chance you spotted my black wallet this morning")
     assert (query.ask, query.objects[0].word) == ("whether", "wallet")
+
+
+@pytest.mark.parametrize("look", ["color", "colour", "size", "material"])
+def test_a_look_is_not_told_but_looked_for(look: str) -> None:
+    text = f"what {look} is my bag"
+    with pytest.raises(QuestionError) as caught:
+        read(text)
+    assert caught.value.kind == "out_of_scope"
+    assert caught.value.position == text.index(look)
+    assert f"I do not tell the {look} of a thing" in caught.value.reason
