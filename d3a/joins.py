@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from d3a import relations
 from d3a.model import Box, Position
-from d3a.moments import Found, positions
+from d3a.moments import Found, extents, positions
 from d3a.pairs import Pairs
 from d3a.parameters import Parameters
 from d3a.places import sigma_of, up_of
@@ -80,7 +80,6 @@ class Link(NamedTuple):
 
 _NO_BOX: Box = (math.nan, math.nan, math.nan, math.nan)
 _NO_POSE = (math.nan,) * 7
-_NO_SIZE = (math.nan, math.nan)
 FAR_M = 1e6
 """How far apart the maps of two sites are laid; a store's places are nearer to zero."""
 
@@ -280,8 +279,6 @@ def pairs_of(
     stays_b = [ground.stays.get(link.ground) for link in found]
     boxes = [link.boxes() for link in found]
     sigma = [math.hypot(sigma_of(a), sigma_of(b)) for a, b in zip(stays_a, stays_b, strict=True)]
-    extents_a = [figure.candidates[link.figure[0]].record.extent_m for link in found]
-    extents_b = [ground.candidates[link.ground[0]].record.extent_m for link in found]
     upright = [math.hypot(up_of(a), up_of(b)) for a, b in zip(stays_a, stays_b, strict=True)]
     # each site has a map of its own: another's is laid where nothing is near
     others = [a and b and a.site != b.site for a, b in zip(stays_a, stays_b, strict=True)]
@@ -292,8 +289,8 @@ def pairs_of(
         box_a=_array([own for own, _ in boxes], 4),
         box_b=_array([other for _, other in boxes], 4),
         viewer=_array([link.viewer() for link in found], 7),
-        extent_a=_array([e or _NO_SIZE for e in extents_a], 2),
-        extent_b=_array([e or _NO_SIZE for e in extents_b], 2),
+        extent_a=extents(figure, [link.figure[0] for link in found]),
+        extent_b=extents(ground, [link.ground[0] for link in found]),
         sigma_up=np.array(upright, dtype=np.float64),
         usual_b=np.array(
             [ground.candidates[link.ground[0]].record.category in usual for link in found],

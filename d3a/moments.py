@@ -155,6 +155,26 @@ def single(found: Found, sighting: Sighting) -> Moment:
     return Moment((entry_of(found, sighting),), sighting.start_ms, sighting.end_ms)
 
 
+def extents(found: Found, ids: Sequence[str]) -> NDArray[np.float64]:
+    """Return how wide and high objects are (n, 2), metres, NaN where unknown.
+
+    What nothing measured is as large as the others of its category usually are.
+    """
+    of = {name: found.candidates[name].record for name in dict.fromkeys(ids)}
+    unknown = {record.category for record in of.values() if record.extent_m is None}
+    alike: dict[str, list[tuple[float, float]]] = {category: [] for category in unknown}
+    for record in (c.record for c in found.candidates.values()) if unknown else ():
+        if record.extent_m is not None and record.category in unknown:
+            alike[record.category].append(record.extent_m)
+    usual = {kind: np.median(known, axis=0) for kind, known in alike.items() if known}
+    nothing = np.full(2, np.nan)
+    sizes = {
+        name: usual.get(record.category, nothing) if record.extent_m is None else record.extent_m
+        for name, record in of.items()
+    }
+    return np.array([sizes[name] for name in ids], dtype=np.float64).reshape(len(ids), 2)
+
+
 def positions(stays: Sequence[StayRecord | None]) -> NDArray[np.float64]:
     """Return the positions of stays (n, 3) in metres, NaN where unknown."""
     unknown = (np.nan, np.nan, np.nan)

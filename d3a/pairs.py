@@ -24,7 +24,7 @@ VISIT_ERROR = 2.5
 """By how much things never seen together are further off each other than their covariances say:
 these take looks for independent, but the looks of one visit share the error of the robot's place.
 Between things of one frame that error cancels."""
-LEAST_SEEN = 3.0
+LEAST_SEEN = 2.0
 """A thing is at most so many times as wide as what is seen of it."""
 
 
@@ -207,20 +207,28 @@ def height_in(pairs: Pairs, edge: Floats) -> Floats:
 def beside_within(pairs: Pairs, limit_m: Floats | float) -> Floats:
     """Return the probability that both are within the limit across the picture, NaN if untold.
 
-    Their own sizes are the scale, and the finer of the two counts: a box that is cut makes it
-    coarser. Where a box shows less than the width, its middle may be off by half of the rest.
-    What one frame shows has no error of the robot's place in it.
+    Their own sizes are the scale, and the finer of the two counts. Where a box shows less than the
+    width, its middle may be off by half of the rest. What one frame
+    shows has no error of the robot's place in it.
     """
     with np.errstate(invalid="ignore", divide="ignore"):
         scales, hidden = [], []
         for extent, box in ((pairs.extent_a, pairs.box_a), (pairs.extent_b, pairs.box_b)):
-            width, height = box[:, 2] - box[:, 0], box[:, 3] - box[:, 1]
-            scale = np.fmin(extent[:, 0] / width, extent[:, 1] / height)
+            scale = metres_a_pixel(extent, box)
             scales.append(scale)
-            hidden.append(np.clip(extent[:, 0] - width * scale, 0.0, None) / 2)
+            hidden.append(np.clip(extent[:, 0] - (box[:, 2] - box[:, 0]) * scale, 0.0, None) / 2)
         apart = np.abs(box_middle(pairs.box_a) - box_middle(pairs.box_b))[:, 0] * np.fmin(*scales)
         apart = np.clip(apart - np.nan_to_num(hidden[0]) - np.nan_to_num(hidden[1]), 0.0, None)
         return normal_cdf((limit_m - apart) / (0.1 * apart + EDGE_M))
+
+
+def metres_a_pixel(extent: Floats, box: Floats) -> Floats:
+    """Return how many metres a pixel is at a thing (n,), by its size (n, 2) and its box (n, 4).
+
+    The finer of its sides counts: a box that is cut makes it coarser. NaN without either.
+    """
+    width, height = box[:, 2] - box[:, 0], box[:, 3] - box[:, 1]
+    return np.asarray(np.fmin(extent[:, 0] / width, extent[:, 1] / height))
 
 
 def longer_side(box: Floats) -> Floats:

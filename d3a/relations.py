@@ -12,9 +12,9 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from d3a.footprints import footprint
 from d3a.pairs import (
     EDGE_M,
-    EDGE_SHARE,
     SAME_SPOT_M,
     Floats,
     Pairs,
@@ -33,38 +33,40 @@ from d3a.pairs import (
     overlap_x,
     rise_of,
     soft_step,
-    spread_out,
     swapped,
+    up_axis,
     within,
 )
 from d3a.parameters import Parameters
 from grammar.forms import RelationKind
 
 REACH_M = 0.6
-"""Half the width of a ground whose extent is unknown, and the slack of its edge."""
+"""What hangs over a thing is no higher than this, and half the width of a hollow one of unknown
+size."""
 LEVEL_M = 0.1
 """How far a measured point may lie on the wrong side of another: the middle of a thing's front
 is below its top."""
 SEAT_M = 0.15
 """How far above a measured top the underside of what lies on it may be."""
-DEEP_M, LENGTH_M = 1.0, 1.3
-"""A picture shows no depth of a thing: couches, tables and beds by their side have about this,
-and more where they are seen from their end. By their side where a neighbour may be as high."""
 TEMPER = 0.15
 """What boxes may take from measured places: much of a table is hidden, and its box says little."""
-WIDE_M, HIDDEN_SHARE = 0.75, 0.25
-"""What is as wide as a table is seldom seen whole: it goes on by this share of what was seen."""
-TOP_SHARE = 0.35
+TOP_SHARE = 0.25
 """What is above a table clears this share of the way from its middle to its measured top: the box
-of a wide top reaches higher than the top, by the far edge. Of other things it clears all."""
+of a wide top that is looked down on reaches higher than the top, by the far edge, and that of a low
+one most. Of other things it clears all."""
 SEAT_SHARE = 0.2
 """How far below its middle, as a share of its height, a thing may carry another: a couch's seat."""
 FITS_SHARE = 0.8
 """What is in or under a thing is narrower than this share of its width."""
 SOLID = 0.3
 """How likely a thing that is not known as hollow has room for what is measured inside of it."""
+ROOF_M = 0.35
+"""What is narrower has nothing under it that would be said to be there."""
 FLOOR_SHARE = 0.3
 """What is under a thing stands no higher than this share of its height: on the floor with it."""
+UPRIGHT_M, UPRIGHT_SHARE = 0.08, 0.06
+"""Heights are known to this, whatever the error of the robot's place: it drives on a floor; and to
+this share of what was measured of both."""
 SIDE_M = 2.0
 """Left, right, behind and in front are said of things within this distance."""
 
@@ -107,27 +109,6 @@ def between(first: Pairs, second: Pairs) -> Floats:
         return np.where(np.isnan(by_place) | (length < SAME_SPOT_M), by_box, by_place)
 
 
-def _footprint(pairs: Pairs, *, inside: bool = False, deep_m: float = LENGTH_M) -> Floats:
-    """Return the probability that the figure stands within the ground's width, in the plane.
-
-    inside: what has walls is seen as wide as it is. deep_m: how deep a ground may be. Across the
-    view a shared frame tells it too, without the error of the robot's place: the mean counts.
-    """
-    width = pairs.extent_b[:, 0]
-    hidden = EDGE_SHARE + HIDDEN_SHARE * soft_step(width, WIDE_M, 0.04)
-    usual = width * (0.5 + hidden) + EDGE_M
-    edge = np.where(pairs.usual_b & (not inside), usual, width / 2 + EDGE_M / 2)
-    edge = np.where(np.isnan(width), REACH_M * 1.5, edge)
-    across, along = spread_out(pairs)
-    deep = np.where(np.isnan(width), edge, np.minimum(edge, deep_m / 2 + EDGE_M))
-    by_place = normal_cdf((edge - across) / pairs.sigma)
-    in_picture = beside_within(pairs, edge)
-    sideways = np.where(np.isnan(in_picture), by_place, (by_place + in_picture) / 2)
-    by_sides = sideways * normal_cdf((deep - along) / pairs.sigma)
-    about = within(pairs, edge, level=True) * as_factor(in_picture)
-    return np.where(np.isnan(by_sides), about, by_sides)
-
-
 def _measured(pairs: Pairs) -> NDArray[np.bool_]:
     """Return for which pairs places and sizes tell what is on or under what (n,)."""
     sized = ~(np.isnan(pairs.extent_a).any(axis=1) | np.isnan(pairs.extent_b).any(axis=1))
@@ -159,7 +140,7 @@ def _box_or_place(pairs: Pairs, by_box: Floats, by_place: Floats, sign: float = 
     """
     rise = np.where(np.isnan(distance_of(pairs)), np.nan, rise_of(pairs))
     level = as_factor(normal_cdf((sign * rise + LEVEL_M) / pairs.sigma)) if sign else 1.0
-    return np.where(pairs.shared, by_box * as_factor(_footprint(pairs)) * level, by_place)
+    return np.where(pairs.shared, by_box * as_factor(footprint(pairs)) * level, by_place)
 
 
 def _over_or_below(pairs: Pairs, by_box: Floats, sign: float) -> Floats:
@@ -170,7 +151,7 @@ def _over_or_below(pairs: Pairs, by_box: Floats, sign: float) -> Floats:
 def _vertical(pairs: Pairs, sign: float) -> Floats:
     """Return the probability by positions that the figure is above (+1) or below (-1)."""
     rise = np.where(np.isnan(distance_of(pairs)), np.nan, rise_of(pairs))
-    return normal_cdf(sign * rise / pairs.sigma) * _footprint(pairs)
+    return normal_cdf(sign * rise / pairs.sigma) * footprint(pairs)
 
 
 def _together(pairs: Pairs, parameters: Parameters) -> Floats:
@@ -205,7 +186,7 @@ def _on(pairs: Pairs, _: Parameters) -> Floats:
     underside, top = _heights(pairs)
     spread = _upright(pairs)
     by_size = (
-        _footprint(pairs, deep_m=DEEP_M)
+        footprint(pairs)
         * normal_cdf((underside + 2 * SEAT_SHARE * top) / spread)
         * normal_cdf((top + SEAT_M - underside) / spread)
     )
@@ -215,7 +196,7 @@ def _on(pairs: Pairs, _: Parameters) -> Floats:
 def _upright(pairs: Pairs) -> Floats:
     """Return the deviation of heights against each other: of the points, and of the sizes."""
     sizes = np.hypot(pairs.extent_a[:, 1], pairs.extent_b[:, 1])
-    return np.hypot(np.minimum(pairs.sigma_up, LEVEL_M), EDGE_SHARE / 2 * sizes)
+    return np.hypot(np.minimum(pairs.sigma_up, UPRIGHT_M), UPRIGHT_SHARE * sizes)
 
 
 def _fits(pairs: Pairs) -> Floats:
@@ -237,9 +218,10 @@ def _under(pairs: Pairs, _: Parameters) -> Floats:
     on_its_floor = np.minimum(below_middle, (2 * FLOOR_SHARE - 1) * top - underside)
     below_all = np.minimum(below_middle - top, REACH_M - (below_middle - top))
     by_size = (
-        _footprint(pairs)
+        footprint(pairs)
         * normal_cdf(np.where(pairs.usual_b, on_its_floor, below_all) / spread)
         * _fits(pairs)
+        * soft_step(pairs.extent_b[:, 0], ROOF_M, 0.03)
     )
     return _tempered(pairs, by_box, by_size, lambda: _over_or_below(pairs, by_box, -1.0))
 
@@ -248,8 +230,11 @@ def _above(pairs: Pairs, _: Parameters) -> Floats:
     foot = height_in(pairs, pairs.box_a[:, 3])
     by_box = soft_step(overlap_x(pairs), 0.4, 0.08) * (1 - soft_step(foot, 0.75, 0.06))
     underside, top = _heights(pairs)
-    clear = np.where(pairs.usual_b, TOP_SHARE, 1.0)
-    by_size = _footprint(pairs) * normal_cdf((underside - clear * top) / _upright(pairs))
+    axis, sign = up_axis(pairs.viewer)
+    eye = sign * (pairs.viewer[:, :3] - pairs.position_b)[:, axis]
+    looked_down_on = pairs.usual_b & ~(top >= eye)
+    clear = np.where(looked_down_on, TOP_SHARE, 1.0)
+    by_size = footprint(pairs) * normal_cdf((underside - clear * top) / _upright(pairs))
     return _tempered(pairs, by_box, by_size, lambda: _over_or_below(pairs, by_box, 1.0))
 
 
@@ -265,13 +250,10 @@ def _in(pairs: Pairs, _: Parameters) -> Floats:
         1 - soft_step(box_area(pairs.box_a) / box_area(pairs.box_b), 0.8, 0.05)
     )
     half = np.where(np.isnan(pairs.extent_b[:, 0]), REACH_M, pairs.extent_b[:, 0] / 2)
-    underside, top = _heights(pairs)
-    spread, rise = _upright(pairs), rise_of(pairs)
+    spread, rise, top = _upright(pairs), rise_of(pairs), pairs.extent_b[:, 1] / 2
     by_size = (
-        _footprint(pairs, inside=True)
-        * normal_cdf(
-            (top + EDGE_M / 2 - underside) / spread
-        )  # of what is in a box the head may show
+        footprint(pairs)
+        * normal_cdf((top + EDGE_M - rise) / spread)  # of what is in a box the head may show
         * normal_cdf((top + rise) / spread)
         * _fits(pairs)
         * np.where(pairs.usual_b, 1.0, SOLID)
@@ -310,7 +292,8 @@ def _in_front_of(pairs: Pairs, _: Parameters) -> Floats:
     by_box = normal_cdf((pairs.box_a[:, 3] - pairs.box_b[:, 3]) / (0.5 * height))
     front = np.where(np.isnan(by_place), by_box, by_place)
     in_line = soft_step(overlap_whole(pairs), 0.1, 0.08)
-    in_line = np.fmax(in_line, normal_cdf(-(gap_across(pairs) + EDGE_M) / pairs.sigma))
+    by_gap = normal_cdf(-gap_across(pairs) / pairs.sigma)
+    in_line = np.where(np.isnan(by_gap), in_line, (in_line + by_gap) / 2)
     aligned = np.where(pairs.shared, in_line, 1.0)
     return front * aligned * as_factor(within(pairs, SIDE_M))
 

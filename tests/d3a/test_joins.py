@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from d3a import joins
 from d3a.joins import links, meeting
 from d3a.match import Candidate
-from d3a.moments import Found, extents
+from d3a.moments import Found
 from d3a.store.base import Encounter, ObjectRecord, Sighting, StayKey, StayRecord
 
 BOX = (0.0, 0.0, 1.0, 1.0)
@@ -82,21 +82,6 @@ def test_what_may_meet_holds_whatever_is_linked(
     for a in one.sightings:
         overlaps = any(a.start_ms <= b.end_ms and b.start_ms <= a.end_ms for b in other.sightings)
         assert (a in told[0]) == (overlaps or a.stay in shown)
-
-
-def test_what_nothing_measured_is_as_large_as_its_like() -> None:
-    table = Found()
-    sizes = {"a": (1.5, 0.75), "b": (1.1, 0.85), "c": (1.3, 0.8), "d": None}
-    for name, size in sizes.items():
-        record = ObjectRecord(name, "table", 1.0, 0, 99, extent_m=size)
-        table.candidates[name] = Candidate(record, 1.0)
-    lamp = ObjectRecord("lamp", "lamp", 1.0, 0, 99)
-    table.candidates["lamp"] = Candidate(lamp, 1.0)
-    found = extents(table, ["d", "a", "lamp", "d"]).tolist()
-    assert found[:2] == [[1.3, 0.8], [1.5, 0.75]]
-    assert found[3] == found[0]
-    assert all(math.isnan(side) for side in found[2])
-    assert extents(table, []).shape == (0, 2)
 
 
 def key_of(start_ms: int, figure: StayKey, ground: StayKey) -> tuple[int, StayKey, StayKey]:

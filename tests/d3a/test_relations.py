@@ -210,6 +210,7 @@ def test_pairs_are_judged_row_by_row() -> None:
 
 CUP, CHAIR, COUCH, TABLE_SIZE = (0.1, 0.1), (0.5, 0.9), (1.9, 0.9), (1.2, 0.8)
 BOX = (0.5, 0.4)
+SHELF = (1.5, 1.25)
 
 
 @pytest.mark.parametrize(
@@ -233,6 +234,14 @@ BOX = (0.5, 0.4)
         ("under", (2.0, 0.2, 0.1), (2.0, 0.0, 0.4), TABLE_SIZE, CHAIR, True, False),
         ("above", (2.0, 0.2, 1.4), (2.0, 0.0, 0.4), CUP, TABLE_SIZE, True, True),
         ("above", (2.0, 0.2, 0.5), (2.0, 0.0, 0.45), CUP, COUCH, True, False),
+        ("above", (2.0, 0.2, 1.0), (2.0, 0.0, 0.6), CUP, SHELF, True, False),  # on its upper board
+        ("above", (2.0, 0.2, 1.35), (2.0, 0.0, 0.6), CUP, SHELF, True, True),
+        ("on", (2.75, 0.0, 0.85), (2.0, 0.0, 0.4), CUP, (0.8, 0.8), True, True),  # at its far end
+        ("on", (3.3, 0.0, 0.85), (2.0, 0.0, 0.4), CUP, (0.8, 0.8), True, False),  # on the next one
+        ("under", (2.0, 0.0, 0.05), (2.0, 0.0, 0.45), CUP, (0.25, 0.1), False, False),  # no roof
+        ("under", (2.0, 1.0, 0.1), (2.0, 0.0, 0.4), CUP, CHAIR, True, False),  # beside it
+        ("under", (1.0, 0.0, 0.1), (2.0, 0.0, 0.45), CUP, COUCH, True, False),  # before it
+        ("in", (2.0, 0.0, 0.9), (2.0, 0.0, 0.35), (0.5, 0.5), (1.5, 0.8), True, False),  # on top
     ],
 )
 def test_measured_things(
@@ -254,6 +263,15 @@ def test_a_table_that_is_mostly_hidden_still_carries_what_is_beside_its_box() ->
     boxes = (40.0, 80.0, 50.0, 100.0), (60.0, 100.0, 100.0, 180.0)
     one = pair((2, 0.4, 0.85), (2, 0, 0.4), *boxes, FACING_X, (0.1, 0.2), (1.2, 0.8), sigma=0.08)
     assert holds("on", one) > 0.5
+
+
+def test_what_shows_its_whole_width_has_nothing_under_what_is_beside_it() -> None:
+    wide, beside = (120.0, 130.0, 410.0, 285.0), (400.0, 190.0, 490.0, 285.0)
+    one = pair((1.7, -1.0, 0.3), (2, 0, 0.5), beside, wide, FACING_X, (0.5, 0.6), (2.0, 1.1))
+    assert holds("under", one) < 0.5
+    amid = (300.0, 220.0, 370.0, 270.0)
+    within = pair((1.9, -0.3, 0.2), (2, 0, 0.5), amid, wide, FACING_X, (0.5, 0.4), (2.0, 1.1))
+    assert holds("under", within) > 0.5
 
 
 def test_things_apart_in_one_picture_are_apart_whatever_the_places_say() -> None:
