@@ -114,11 +114,11 @@ def simulate(
     writer.write_facts(out, f"simulated-{hours_name}h-{seed}-{chosen.name}", name, dim)
     writer.write_frames(out, believed, chosen, depth)
     writer.write_detections(out, reports, reports.embedding)
-    empty = truth.emptiness(world, track, loose)
-    writer.write_truth(out, world, reports, empty, truth.relations(world))
     if depth:
         fixed, _ = world.fixed()
         writer.write_depth(out, track, fixed, loose, chosen.depth > 0, streams["depth image"])
+    empty = truth.emptiness(world, track, loose)  # last: who finds a truth finds all of the world
+    writer.write_truth(out, world, reports, empty, truth.relations(world))
     return _summary(out, chosen, seed, hours, world, track, reports)
 
 

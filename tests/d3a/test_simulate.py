@@ -69,6 +69,19 @@ def test_same_arguments_give_the_same_bytes(tmp_path: Path) -> None:
         assert (tmp_path / "a" / file).read_bytes() == (tmp_path / "b" / file).read_bytes(), file
 
 
+def test_interrupted_world_has_no_truth(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """An evaluation that is run again takes a world with its truth for a whole one."""
+
+    def cut(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("d3a.simulation.writer.write_depth", cut)
+    with pytest.raises(KeyboardInterrupt):
+        simulate(tmp_path / "w", hours=0.05)
+    assert (tmp_path / "w" / "detections.jsonl").exists()
+    assert not (tmp_path / "w" / "truth.jsonl").exists()
+
+
 def test_another_seed_is_another_world(tmp_path: Path) -> None:
     for seed in (1, 2):
         simulate(tmp_path / str(seed), hours=0.2, seed=seed, depth=False)
