@@ -2,18 +2,25 @@
 
 from __future__ import annotations
 
+import fcntl
 import os
 import pty
 import select
 import shutil
+import struct
 import subprocess
 import sys
+import termios
 import time
 import uuid
 from collections.abc import Callable, Iterator
+from contextlib import closing
 from pathlib import Path
 
 import pytest
+
+from d3a.store import open_store
+from tests.worlds import small_home
 
 ROOT = Path(__file__).parents[2]
 PROGRAM = """
@@ -169,3 +176,66 @@ def _read(master: int, *, seconds: float) -> bytes:
         except OSError:  # the other end was closed
             break
     return seen
+
+
+def _bare(tmp_path: Path) -> tuple[list[str], dict[str, str]]:
+    """Return what runs `d3a` and nothing else, over the fixed home and with no settings."""
+    with closing(open_store(str(tmp_path / "home.db"))) as store:
+        small_home.fill(store)
+    kept = {name: os.environ[name] for name in ("PATH", "SYSTEMROOT") if name in os.environ}
+    environment = kept | {
+        "HOME": str(tmp_path),
+        "LANG": "C.UTF-8",
+        "TERM": "xterm-256color",
+        "PYTHONPATH": str(ROOT),
+        "D3A_STORE": str(tmp_path / "home.db"),
+        "D3A_IMAGES": "cells",
+    }
+    return [sys.executable, "-m", "assistant.cli"], environment
+
+
+def test_bare_d3a_opens_the_chat_on_a_terminal(tmp_path: Path) -> None:
+    command, environment = _bare(tmp_path)
+    master, slave = pty.openpty()
+    fcntl.ioctl(slave, termios.TIOCSWINSZ, struct.pack("HHHH", 24, 80, 0, 0))
+    with subprocess.Popen(
+        command,
+        cwd=tmp_path,
+        env=environment,
+        stdin=slave,
+        stdout=slave,
+        stderr=slave,
+        start_new_session=True,
+    ) as process:
+        os.close(slave)
+        try:
+            _read_until(master, b"\x1b[?1049h")  # the alternate screen: not line by line
+            _read_until(master, b"Ask:")
+            os.write(master, b"where are my keys?\r")
+            _read_until(master, "┏".encode())
+            os.write(master, b"\x11")
+            _read_until(master, b"\x1b[?1049l")
+            assert process.wait(timeout=20) == 0
+        finally:
+            process.kill()
+            os.close(master)
+
+
+@pytest.mark.parametrize("term", ["xterm-256color", "dumb"])
+def test_bare_d3a_prints_its_help_off_a_terminal(tmp_path: Path, term: str) -> None:
+    command, environment = _bare(tmp_path)
+    done = subprocess.run(
+        command,
+        cwd=tmp_path,
+        env=environment | {"TERM": term},
+        stdin=subprocess.DEVNULL,
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
+    )
+    assert done.returncode == 2
+    assert done.stdout == ""
+    assert done.stderr.startswith("Usage: ")
+    assert "Without a command the chat" in done.stderr
+    assert "\x1b" not in done.stderr
