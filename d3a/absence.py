@@ -18,7 +18,8 @@ from numpy.typing import NDArray
 from d3a.depths import NEAREST_SHARE, nearer, samples
 from d3a.frame_offset import FrameOffset
 from d3a.geometry import in_view, project
-from d3a.memory import Known, Memory, Place
+from d3a.known import Known, Place
+from d3a.memory import Memory
 from d3a.model import Json, Position
 from d3a.parameters import Parameters
 from d3a.sightings import Scene
@@ -105,7 +106,7 @@ class Absence:
         parameters = self._parameters
         visible = in_view(seen, scene.camera, parameters.view_range_m, parameters.view_margin)
         shared = np.trace(offset.covariance)
-        sigma = np.sqrt((np.trace(positions.spread, axis1=1, axis2=2) + shared) / 3)
+        sigma = np.sqrt((positions.variance.sum(axis=0) + shared) / 3)
         rows = np.flatnonzero(visible & (sigma <= SURE_M))
         spots = seen.u[rows], seen.v[rows], seen.depth_m[rows], sigma[rows]
         hidden, through = self._depths(scene, *spots)

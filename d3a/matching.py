@@ -14,9 +14,10 @@ from numpy.typing import NDArray
 
 from d3a import likelihood
 from d3a.frame_offset import FrameOffset
+from d3a.known import Known, Place
 from d3a.likelihood import BESIDE, OTHER, SAME, UPPER, VARIANCES, CategoryModel, LookModel
 from d3a.look_space import LookSpace
-from d3a.memory import Known, Memory, Place
+from d3a.memory import Memory
 from d3a.model import Pose
 from d3a.neighbours import REACH_M, Neighbours
 from d3a.observed import Observed
@@ -144,12 +145,14 @@ class Matcher:
             return []
         frame = self._frame(observed, pose)
         self.space.add(observed.looks)
-        rows = self._gate(frame)
-        things = self._candidates(observed, rows)
+        rows, owners = self._gate(frame)
+        things = self._candidates(observed, owners)
         if not things:
             return [None] * len(observed.things)
+        for thing in things:
+            thing.compared_ms = time_ms
         scoring = self._scoring(frame, things)
-        gated = self._gated(things, rows)
+        gated = self._gated(things, rows, owners)
         place, at = self._place(frame, gated)
         score = scoring.total(place)
         new = self._parameters.new_thing_odds
@@ -160,14 +163,13 @@ class Matcher:
             taken = likelihood.assign(score, new)
         if scoring.likeness is not None:
             self._learn(frame, things, taken, scoring.likeness, scoring.without_look(place))
-        owners = self._memory.positions.owners
-        spots = at.tolist()
         return [
-            None
-            if column < 0
-            else (things[column], owners[spots[i][column]][1] if spots[i][column] >= 0 else None)
+            None if column < 0 else (things[column], self._at(int(at[i, column])))
             for i, column in enumerate(taken)
         ]
+
+    def _at(self, row: int) -> Place | None:
+        return self._memory.positions.owners[row][1] if row >= 0 else None
 
     def _frame(self, observed: Observed, pose: Pose | None) -> Frame:
         """Return the frame's own share, and learn how near to each other its things stand."""
@@ -182,12 +184,12 @@ class Matcher:
         near = frozenset([*apart, *((j, i) for i, j in apart)])
         return Frame(observed, observed.places.T, noise, placed, near)
 
-    def _gate(self, frame: Frame) -> NDArray[np.intp]:
-        """Return the rows of places that any detection may be at, by thing and place."""
+    def _gate(self, frame: Frame) -> tuple[NDArray[np.intp], list[int]]:
+        """Return the rows of places that any detection may be at, and numbers of their things.
+
+        By thing and place.
+        """
         positions = self._memory.positions
-        owners = positions.owners
-        if len(owners) == 0:
-            return np.empty(0, dtype=np.intp)
         noise = frame.noise[VARIANCES] + self.offset.covariance.diagonal()[:, None]
         places = frame.places - self.offset.mean[:, None]
         away = places[:, :, None] - positions.columns[:3, None]
@@ -196,11 +198,9 @@ class Matcher:
         reach *= self._parameters.gate_sigmas**2
         away *= away
         near = np.logical_and.reduce(away <= reach, axis=0)
-        rows = np.logical_or.reduce(near, axis=0).nonzero()[0].tolist()
-        rows.sort(key=lambda row: (owners[row][0].number, owners[row][1].number))
-        return np.array(rows, dtype=np.intp)
+        return positions.sorted_rows(np.logical_or.reduce(near, axis=0))
 
-    def _candidates(self, observed: Observed, rows: NDArray[np.intp]) -> list[Known]:
+    def _candidates(self, observed: Observed, owners: list[int]) -> list[Known]:
         """Return the things to compare with, by number.
 
         What has no position is near everything, and to a detection without one all are.
@@ -208,10 +208,10 @@ class Matcher:
         known = self._memory.things
         if observed.nowhere.any():
             return [known[number] for number in sorted(known)]
-        owners = self._memory.positions.owners
-        found = {owners[row][0].number for row in rows.tolist()}
-        found.update(thing.number for thing in self._memory.placeless())
-        return [known[number] for number in sorted(found)]
+        placeless = self._memory.placeless()
+        if not placeless:
+            return [known[number] for number in dict.fromkeys(owners)]
+        return [known[number] for number in sorted({*owners, *(t.number for t in placeless)})]
 
     def _scoring(self, frame: Frame, things: list[Known]) -> Scoring:
         """Return the evidence of category and look; of a thing named twice one name may agree."""
@@ -239,16 +239,15 @@ class Matcher:
             beside = np.where(frame.placed[:, None], beside, same)
         return Scoring(agreed, differing, same, beside, likeness)
 
-    def _gated(self, things: list[Known], rows: NDArray[np.intp]) -> Gated:
-        """Return the columns that the rows of places have in the table of these things."""
-        positions = self._memory.positions
+    def _gated(self, things: list[Known], rows: NDArray[np.intp], owners: list[int]) -> Gated:
+        """Return where the rows of places, with the numbers of their things, are in the table."""
         number = {thing.number: column for column, thing in enumerate(things)}
         first: list[int] = []
         target: list[int] = []
         further: list[tuple[list[int], list[int]]] = []
         last, turn = -1, 0
-        for k, row in enumerate(rows.tolist()):  # they are by thing
-            column = number[positions.owners[row][0].number]
+        for k, owner in enumerate(owners):  # they are by thing
+            column = number[owner]
             if column != last:
                 first.append(k)
                 target.append(column)
@@ -262,7 +261,7 @@ class Matcher:
         placeless: list[int] = []
         if len(first) < len(things):
             placeless = [j for j, t in enumerate(things) if all(p.row < 0 for p in t.places)]
-        columns = positions.columns[:, rows]
+        columns = self._memory.positions.columns[:, rows]
         return Gated(rows, columns, first, target, further, placeless, len(things))
 
     def _place(self, frame: Frame, gated: Gated) -> tuple[Floats, NDArray[np.intp]]:

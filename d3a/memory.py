@@ -1,25 +1,22 @@
 """Default profile: the things in short-term memory, with the arrays that tier 2 compares.
 
-A `Thing` is an object with all its places; ids are stable from birth, so that what a question
-sees while an ingest runs keeps its name.
+What the robot left behind leaves them too, whole, and comes back as it went.
 """
 
 from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from d3a.kalman import pulled
-from d3a.likelihood import shares
+from d3a.known import Known, Place
 from d3a.look_space import LookSpace
-from d3a.model import Position
 from d3a.parameters import Parameters
-from d3a.sightings import Interval
-from d3a.store.base import TaughtName
 from d3a.symmetric import Six, Vector, of_rows
 
 Floats = NDArray[np.float64]
@@ -29,100 +26,23 @@ SCALE_LEAST, SCALE_MOST = 0.5, 9.0
 """Bounds of that correction: it adapts a noise model, it does not replace one."""
 
 
-def object_id_of(number: int) -> str:
-    """Return the id of a thing by its number; what a person split off has one below 0."""
-    return f"o{number}" if number >= 0 else f"s{-number}"
+class Row(NamedTuple):
+    """What `Positions` holds of a place: columns (9,), raw (3,), error and spread (3, 3), scale."""
+
+    columns: Floats
+    raw: Floats
+    error: Floats
+    spread: Floats
+    scale: Floats
 
 
-@dataclass(slots=True, eq=False)
-class Place:
-    """One location of a thing. row: in the table of positions, -1 where the position is unknown.
+@dataclass(frozen=True, slots=True)
+class Whole:
+    """A thing with its look (d,), None without a picture, and the rows of its placed places."""
 
-    evidence: log-odds that it has left, from looks since it was last seen. doubt: log-odds that it
-    never was, by the depth around its first view. hits of chances: looks
-    that found it of looks that could have; misses: looks in a row that did not, throughs: those of
-    them that saw what is behind. seen_from: where the camera was when it was seen; missed_from:
-    where it was lately, and when, when it was not.
-    """
-
-    number: int
-    first_ms: int
-    last_ms: int
-    weight: float = 0.0
-    seen: int = 0
-    moved_from: tuple[int, float] | None = None
-    last_absent_ms: int | None = None
-    open: Interval | None = None
-    evidence: float = 0.0
-    doubt: float = 0.0
-    hits: int = 0
-    chances: float = 0.0
-    misses: int = 0
-    throughs: int = 0
-    seen_from: list[Position] = field(default_factory=list)
-    missed_from: list[tuple[Position, int]] = field(default_factory=list)
-    row: int = -1
-
-
-@dataclass(slots=True, eq=False)
-class Known:
-    """A thing in memory. votes: weight by category; seen: frames it was detected in, ever.
-
-    met: numbers of the things seen beside it in a frame while it was in memory, so other things.
-    look_weight: of the mean look, 0 without one. row: in the table of looks.
-    """
-
-    number: int
-    votes: dict[str, float]
-    first_ms: int
-    last_ms: int
-    weight: float = 0.0
-    seen: int = 0
-    look_weight: float = 0.0
-    extent_m: tuple[float, float] | None = None
-    extents: int = 0
-    names: tuple[TaughtName, ...] = ()
-    places: list[Place] = field(default_factory=list)
-    met: set[int] = field(default_factory=set)
-    row: int = -1
-    dirty: bool = True
-    _named: str | None = field(default=None, init=False, repr=False)
-    _shares: dict[str, float] | None = field(default=None, init=False, repr=False)
-
-    @property
-    def object_id(self) -> str:
-        """The id in the store."""
-        return object_id_of(self.number)
-
-    def vote(self, category: str, weight: float) -> None:
-        """Add the weight of a detection that was named so."""
-        self.votes[category] = self.votes.get(category, 0.0) + weight
-        self._named = self._shares = None
-
-    @property
-    def category(self) -> str:
-        """The category with most weight, the first by name of equals."""
-        if self._named is None:
-            self._named = min(self.votes, key=lambda name: (-self.votes[name], name))
-        return self._named
-
-    @property
-    def shares(self) -> dict[str, float]:
-        """What the votes say of the category, see `likelihood.shares`."""
-        if self._shares is None:
-            self._shares = shares(self.votes)
-        return self._shares
-
-    @property
-    def latest(self) -> Place:
-        """The place where it was seen last."""
-        if len(self.places) == 1:
-            return self.places[0]
-        return max(self.places, key=lambda place: (place.last_ms, place.number))
-
-    def place(self, number: int) -> Place:
-        """Return the place with this number."""
-        return next(place for place in self.places if place.number == number)
+    thing: Known
+    look: NDArray[np.float32] | None
+    rows: tuple[tuple[Place, Row], ...]
 
 
 class Positions:
@@ -132,6 +52,7 @@ class Positions:
         self.owners: list[tuple[Known, Place]] = []
         self._placed: Counter[int] = Counter()
         self._size = 64
+        self._order = np.empty((2, 64), dtype=np.int64)
         self._columns = np.empty((9, 64))
         self._raw = np.empty((64, 3))
         self._error = np.empty((64, 3, 3))
@@ -142,6 +63,14 @@ class Positions:
     def placed(self) -> int:
         """How many things have a position."""
         return len(self._placed)
+
+    def sorted_rows(self, wanted: NDArray[np.bool_]) -> tuple[NDArray[np.intp], list[int]]:
+        """Return the wanted (k,) rows by thing and place, and the numbers of their things."""
+        rows = wanted.nonzero()[0]
+        order = self._order[:, rows]
+        by = np.lexsort(order)
+        numbers: list[int] = order[1, by].tolist()
+        return rows[by], numbers
 
     @property
     def columns(self) -> Floats:
@@ -183,18 +112,38 @@ class Positions:
 
     def add(self, thing: Known, place: Place, mean: Floats, raw: Floats, error: Floats) -> None:
         """Add a place; its spread is set by `respread`."""
+        self._append(thing, place)
+        self._columns[:3, place.row], self._raw[place.row] = mean, raw
+        self._error[place.row], self._scale[place.row] = error, 0.0
+
+    def row(self, place: Place) -> Row:
+        """Return what is known of a place."""
+        k = place.row
+        arrays = (self._raw[k], self._error[k], self._spread[k], self._scale[k])
+        return Row(self._columns[:, k].copy(), *(array.copy() for array in arrays))
+
+    def put_back(self, thing: Known, place: Place, row: Row) -> None:
+        """Add a place with all that was known of it."""
+        self._append(thing, place)
+        k = place.row
+        self._columns[:, k], self._raw[k] = row.columns, row.raw
+        self._error[k], self._spread[k], self._scale[k] = row.error, row.spread, row.scale
+
+    def _append(self, thing: Known, place: Place) -> None:
         place.row = len(self.owners)
         self.owners.append((thing, place))
         self._placed[thing.number] += 1
         if len(self.owners) > self._size:
             self._size *= 2
-            self._columns = np.concatenate([self._columns, np.empty_like(self._columns)], axis=1)
+            self._columns, self._order = (
+                np.concatenate([array, np.empty_like(array)], axis=1)
+                for array in (self._columns, self._order)
+            )
             self._raw, self._error, self._spread, self._scale = (
                 np.concatenate([array, np.empty_like(array)])
                 for array in (self._raw, self._error, self._spread, self._scale)
             )
-        self._columns[:3, place.row], self._raw[place.row] = mean, raw
-        self._error[place.row], self._scale[place.row] = error, 0.0
+        self._order[:, place.row] = place.number, thing.number
 
     def respread(self, rows: Iterable[int], parameters: Parameters) -> None:
         """Set the spread of some rows from their error and how well that predicted the views."""
@@ -233,6 +182,7 @@ class Positions:
         """Make a place another thing's."""
         self._leave(self.owners[place.row][0])
         self.owners[place.row] = (thing, place)
+        self._order[:, place.row] = place.number, thing.number
         self._placed[thing.number] += 1
 
     def _leave(self, thing: Known) -> None:
@@ -246,6 +196,7 @@ class Positions:
         last = self.owners.pop()
         if last[1] is not place:
             self._columns[:, place.row] = self._columns[:, last[1].row]
+            self._order[:, place.row] = self._order[:, last[1].row]
             for array in (self._raw, self._error, self._spread, self._scale):
                 array[place.row] = array[last[1].row]
             last[1].row = place.row
@@ -372,6 +323,20 @@ class Memory:
                 self.positions.remove(place)
         self.looks.remove(thing)
         del self.things[thing.number]
+
+    def whole(self, thing: Known) -> Whole:
+        """Return a thing with all that the arrays hold of it."""
+        placed = [place for place in thing.places if place.row >= 0]
+        rows = tuple((place, self.positions.row(place)) for place in placed)
+        return Whole(thing, self.looks.of(thing), rows)
+
+    def put_back(self, whole: Whole) -> None:
+        """Take in what `whole` gave."""
+        thing = whole.thing
+        self.things[thing.number] = thing
+        self.looks.add(thing, whole.look, thing.look_weight)
+        for place, row in whole.rows:
+            self.positions.put_back(thing, place, row)
 
     def placeless(self) -> list[Known]:
         """Return things that have no position, by number."""

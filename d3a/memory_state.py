@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import fields
 
 import numpy as np
 
 from d3a.checkpoint import Arrays, stacked
-from d3a.memory import Known, Memory, Place
+from d3a.known import Known, Place
+from d3a.memory import Memory, Whole
 from d3a.model import Json
 from d3a.parameters import Parameters
 from d3a.sightings import Interval
@@ -18,33 +20,34 @@ _OWN = ("names", "places", "row", "votes", "met")
 _KNOWN = tuple(f.name for f in fields(Known) if f.init and f.name not in _OWN)
 
 
-def memory_state(memory: Memory) -> tuple[Json, Arrays]:
-    """Return the things by number, and their arrays in the same order."""
-    known = [memory.things[number] for number in sorted(memory.things)]
-    rows = [place.row for thing in known for place in thing.places if place.row >= 0]
-    p = memory.positions
+def memory_state(wholes: Iterable[Whole]) -> tuple[Json, Arrays]:
+    """Return things as JSON, and their arrays in the same order."""
+    known = list(wholes)
+    rows = [row for each in known for _, row in each.rows]
     arrays: Arrays = {
-        "looks": stacked([memory.looks.of(thing) for thing in known]),
-        "means": np.stack([p.mean[rows], p.raw[rows]], axis=1),
-        "errors": p.error[rows],
-        "scales": p.scale[rows],
+        "looks": stacked([each.look for each in known]),
+        "means": np.array([(row.columns[:3], row.raw) for row in rows]).reshape(-1, 2, 3),
+        "errors": np.array([row.error for row in rows]).reshape(-1, 3, 3),
+        "scales": np.array([row.scale for row in rows]).reshape(-1, 2),
     }
-    return {"things": [_thing_json(thing) for thing in known]}, arrays
+    return {"things": [_thing_json(each) for each in known]}, arrays
 
 
-def _thing_json(thing: Known) -> Json:
+def _thing_json(whole: Whole) -> Json:
+    thing = whole.thing
     record: Json = {name: getattr(thing, name) for name in _KNOWN}
     record["votes"] = list(thing.votes.items())  # their order is that of summation
     record["met"] = sorted(thing.met)
     record["names"] = [[name.word, name.owner] for name in thing.names]
-    record["places"] = [_place_json(place) for place in thing.places]
+    placed = {place.number for place, _ in whole.rows}
+    record["places"] = [_place_json(place, place.number in placed) for place in thing.places]
     return record
 
 
-def _place_json(place: Place) -> Json:
+def _place_json(place: Place, is_placed: bool) -> Json:
     record: Json = {name: getattr(place, name) for name in _PLACE}
     record["open"] = None if place.open is None else place.open.to_json()
-    record["placed"] = place.row >= 0
+    record["placed"] = is_placed
     return record
 
 

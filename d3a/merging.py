@@ -13,10 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from d3a import likelihood
+from d3a.known import Known, Place
 from d3a.ledger import Ledger
 from d3a.likelihood import BESIDE, OTHER, VARIANCES, CategoryModel, LookModel
 from d3a.look_space import LookSpace
-from d3a.memory import Known, Memory, Place
+from d3a.memory import Memory
 from d3a.moves import rename
 from d3a.neighbours import Neighbours
 from d3a.parameters import Parameters

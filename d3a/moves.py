@@ -14,10 +14,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from d3a.known import Known, Place
 from d3a.ledger import Ledger
 from d3a.likelihood import SAME, LookModel
 from d3a.look_space import LookSpace
-from d3a.memory import Known, Memory, Place
+from d3a.memory import Memory
 from d3a.parameters import Parameters
 from d3a.sightings import Became, entry_name
 from d3a.store.base import Encounter, StayKey

@@ -8,15 +8,19 @@ from __future__ import annotations
 
 import heapq
 import math
-from collections.abc import Collection
+from collections.abc import Collection, Iterator
 
 import numpy as np
 from numpy.typing import NDArray
 
 from d3a import likelihood
 from d3a.answer import is_by_look
+from d3a.checkpoint import Arrays
+from d3a.known import Known, Place
 from d3a.ledger import Ledger
-from d3a.memory import Known, Memory, Place
+from d3a.likelihood import VARIANCES
+from d3a.memory import Memory, Whole
+from d3a.memory_state import memory_of_state, memory_state
 from d3a.model import Json
 from d3a.outside import Outside
 from d3a.parameters import Parameters
@@ -28,6 +32,8 @@ CELL_M = 4.0
 """Side of the squares in which the store is asked what is where: about a room."""
 EVICTED_SHARE = 16
 """When the memory is over its bound, a share of it goes at once (one in so many)."""
+ASLEEP = 8
+"""So many times the memory's bound of things are kept beside it, whole but not compared."""
 REACH_SIGMAS, SPREAD_M = 3.0, 1.0
 """What comes back is within so many sigmas along each axis: what is farther off is hardly ever what
 was seen. The store is asked what is around as if a thing there might be so far off, one sigma."""
@@ -56,6 +62,9 @@ class Recall:
         """Squares of which `_index` knows all that is not in memory."""
         self._index = Outside()
         self._wanted: set[str] = set()
+        self._asleep: dict[int, Whole] = {}
+        """By number, what left first before: things out of the memory, whole. The store does not
+        hold what looks have told of a place, nor all that is known of where it is."""
 
     # to the store
     def write(self) -> None:
@@ -115,35 +124,57 @@ class Recall:
         )
 
     def evict(self) -> list[Known]:
-        """Write and forget the least recently viewed when the memory is over its bound.
+        """Write and put to sleep the least recently viewed when the memory is over its bound.
 
-        What only came back to be compared is the first to go again: what was seen lately keeps what
-        looks have told of it, which the store does not hold.
+        To be compared with what is in view counts as a view: else what has just come back would be
+        the first to go again.
         """
         things, most = self._memory.things, self._parameters.stm_capacity
         if len(things) <= most:
             return []
         over = len(things) - most + most // EVICTED_SHARE
-        oldest = heapq.nsmallest(over, things.values(), key=lambda t: (t.last_ms, t.number))
+        oldest = heapq.nsmallest(
+            over, things.values(), key=lambda t: (max(t.last_ms, t.compared_ms), t.number)
+        )
         for thing in oldest:
             if thing.dirty:
                 self._put(thing)
-            for place in thing.places:
-                stay = self._stay(thing, place, tentative=False)
-                if _cell_of(stay) in self._complete:
-                    self._remember(stay)
-            self._memory.remove(thing)
+            self._lay(thing)
+        while len(self._asleep) > most * ASLEEP:
+            del self._asleep[next(iter(self._asleep))]  # where it is the store tells
         self.outside += len(oldest)
         return oldest
+
+    def _lay(self, thing: Known) -> None:
+        """Put a thing to sleep."""
+        whole = self._memory.whole(thing)
+        self._memory.remove(thing)
+        self._asleep[thing.number] = whole
+        self._remember_whole(whole)
+
+    def _remember_whole(self, whole: Whole) -> None:
+        object_id = whole.thing.object_id
+        for _, row in whole.rows:
+            x, y, z = row.raw.tolist()
+            self._index.add(object_id, (x, y, z), row.columns[VARIANCES + 3].tolist())
+        if len(whole.rows) < len(whole.thing.places):
+            self._index.add(object_id, None, ())
 
     def _remember(self, stay: StayRecord) -> None:
         surface = self._parameters.object_spread_m**2 * 2
         variance = stay.covariance or np.diag([surface] * 3).ravel().tolist()
         self._index.add(stay.object_id, stay.position, (variance[0], variance[4], variance[8]))
 
+    def things(self) -> Iterator[Known]:
+        """Yield all things that were not left to the store alone."""
+        yield from self._memory.things.values()
+        for whole in self._asleep.values():
+            yield whole.thing
+
     def forget_all(self) -> None:
         """Empty the memory; everything in it is written."""
         self._wanted.clear()
+        self._asleep.clear()
         for thing in list(self._memory.things.values()):
             self._memory.remove(thing)
             self.outside += 1
@@ -158,6 +189,8 @@ class Recall:
         gone = [t for t in self._memory.things.values() if t.object_id in ids]
         for thing in gone:
             self._memory.remove(thing)
+        for number in [n for n, whole in self._asleep.items() if whole.thing.object_id in ids]:
+            del self._asleep[number]
         if gone:
             self._wanted = (self._wanted - ids) | set(after)
         # One too many costs a look into the store, one too few would hide things.
@@ -168,24 +201,38 @@ class Recall:
     def _forget_index(self) -> None:
         self._complete.clear()
         self._index.clear()
+        for whole in self._asleep.values():
+            self._remember_whole(whole)
 
     # from the store
-    def fetch(self, places: Floats, noise: Floats, shared_m2: float, now_ms: int) -> None:
-        """Bring back what the store knows around some positions (n, 3), NaN where unknown.
+    def fetch(self, places: Floats, noise: Floats, shared_m2: float, now_ms: int) -> list[Known]:
+        """Bring back what is known around some positions (n, 3), NaN where unknown.
 
         noise (n, 3, 3): covariance of each; shared_m2: variance along each axis of what all of
-        them have in common.
+        them have in common. Returns what had slept.
         """
         if self.outside == 0:
-            return
+            return []
         axes = (0, 1, 2)
         variance = noise[:, axes, axes] + shared_m2
         self._ask(places, variance)
         ids, self._wanted = self._wanted, set()
         ids |= self._index.near(places, variance, REACH_SIGMAS)
-        ids = {each for each in ids if self._is_away(each)}
-        if ids:
-            self._load(sorted(ids), now_ms)
+        away = sorted(each for each in ids if self._is_away(each))
+        sleepers = [name for name in away if number_of(name) in self._asleep]
+        stored = [name for name in away if number_of(name) not in self._asleep]
+        woken = [self._wake(name, now_ms) for name in sleepers]
+        if stored:
+            self._load(stored, now_ms)
+        return woken
+
+    def _wake(self, object_id: str, now_ms: int) -> Known:
+        whole = self._asleep.pop(number_of(object_id))
+        whole.thing.compared_ms = now_ms
+        self._memory.put_back(whole)
+        self._index.remove(object_id)
+        self.outside -= 1
+        return whole.thing
 
     def _ask(self, places: Floats, variance: Floats) -> None:
         """Learn what the store has around some places, where that is not known yet."""
@@ -199,7 +246,9 @@ class Recall:
                 found = [stay for stay in self._ledger.stays(area=area) if _cell_of(stay) == cell]
             self._complete.add(cell)
             for stay in found:
-                if stay.site == self._stored.site and self._is_away(stay.object_id):
+                object_id = stay.object_id
+                is_known = number_of(object_id) in self._asleep  # and so where it is
+                if stay.site == self._stored.site and self._is_away(object_id) and not is_known:
                     self._remember(stay)
 
     def _is_away(self, object_id: str) -> bool:
@@ -241,6 +290,7 @@ class Recall:
             if is_by_look(record.object_id):  # no detector knows it, so no detection is of it
                 continue
             thing = self._known(record)
+            thing.compared_ms = now_ms
             for stay in stays.get(record.object_id, []):
                 place = self._place(stay, open_of.get(stay.key))
                 thing.places.append(place)
@@ -299,14 +349,22 @@ class Recall:
             self._memory.positions.add(thing, place, mean, mean, error)
         self._memory.positions.respread([place.row for _, place, _ in placed], self._parameters)
 
-    def to_state(self) -> Json:
-        """Return what is known of the store beside what it holds, as JSON."""
-        return {"outside": self.outside, "wanted": sorted(self._wanted)}
+    def to_state(self) -> tuple[Json, Arrays]:
+        """Return the memory, and what is known of the store beside what it holds."""
+        memory = self._memory
+        awake = [memory.whole(memory.things[number]) for number in sorted(memory.things)]
+        record, arrays = memory_state([*awake, *self._asleep.values()])
+        own = {"outside": self.outside, "wanted": sorted(self._wanted), "asleep": len(self._asleep)}
+        return record | {"recall": own}, arrays
 
-    def restore(self, record: Json) -> None:
-        """Go on where `to_state` was called; where things are the store tells again."""
-        self.outside = record["outside"]
-        self._wanted = set(record["wanted"])
+    def restore(self, record: Json, arrays: Arrays) -> None:
+        """Go on where `to_state` was called; where other things are the store tells again."""
+        memory_of_state(self._memory, record, arrays, self._parameters)
+        own = record["recall"]
+        self.outside, self._wanted = own["outside"], set(own["wanted"])
+        things = list(self._memory.things.values())
+        for thing in things[len(things) - own["asleep"] :]:
+            self._lay(thing)
 
 
 def _cell_of(stay: StayRecord) -> Cell:

@@ -18,11 +18,11 @@ from d3a.constraints import Constraints
 from d3a.depths import Doubts
 from d3a.encounters import Encounters
 from d3a.frame_offset import FrameOffset
+from d3a.known import Known, Place
 from d3a.ledger import Ledger
 from d3a.likelihood import CategoryModel
 from d3a.matching import Matcher
-from d3a.memory import Known, Memory, Place
-from d3a.memory_state import memory_of_state, memory_state
+from d3a.memory import Memory
 from d3a.merging import Evidence, likely_same, merge, never_together
 from d3a.model import Json
 from d3a.moves import Moves, apply_link
@@ -58,6 +58,8 @@ class TrackerPipeline:
         self._encounters = Encounters(parameters)
         self._next_number = FIRST_NUMBER
         self._fixed: frozenset[str] = frozenset()
+        self._doubtful: set[int] = set()
+        """Numbers of things in memory that may be no things; asked before they are told so."""
         self._events: list[Event] = []
         self._now_ms = 0
 
@@ -75,6 +77,7 @@ class TrackerPipeline:
             thing, place = match if match is not None else self._born(observed, i, scene.ref)
             if match is None:
                 thing.places[0].doubt = self._doubts.odds(said[i])
+                self._doubtful.add(thing.number)
             elif thing.seen >= self._parameters.confirm_sightings:
                 self._doubts.learn(said[i])
             place = place if place is not None else thing.latest
@@ -90,20 +93,13 @@ class TrackerPipeline:
         self._matcher.update(observed, moved, scene.pose)
         self._meet(scene.ref, seen, found)
         self._absence.watch(scene, seen, self._matcher.offset)
-        self._leave(self._recall.evict())
-
-    def _leave(self, gone: list[Known]) -> None:
-        """Forget what was kept beside the memory of things that are in it no more."""
-        if gone:
-            self._encounters.write(self._ledger)
-            self._encounters.forget({thing.object_id for thing in gone})
-        for thing in gone:
+        for thing in self._recall.evict():
             self._absence.forget(thing)
-            self._moves.compared.discard(thing.number)
 
     def _fetch(self, observed: Observed, scene: Scene) -> None:
         shared = 0.0 if scene.pose is None else self._parameters.pose_sigma_m**2
-        self._recall.fetch(observed.places, observed.noise, shared, scene.ref.time_ms)
+        back = self._recall.fetch(observed.places, observed.noise, shared, scene.ref.time_ms)
+        self._doubtful.update(thing.number for thing in back if self._is_doubtful(thing))
 
     def _born(self, observed: Observed, i: int, ref: FrameRef) -> tuple[Known, Place]:
         thing = Known(self._next_number, {}, ref.time_ms, ref.time_ms)
@@ -214,16 +210,21 @@ class TrackerPipeline:
 
     def _doubted(self) -> list[Known]:
         """Return what depth spoke against when it was seen, and nobody saw again for long."""
+        closed_ms = self._now_ms - self._parameters.interval_gap_s * 1000
+        found = []
+        for number in sorted(self._doubtful):
+            thing = self._memory.things.get(number)
+            if thing is None or not self._is_doubtful(thing):
+                self._doubtful.discard(number)
+            elif thing.last_ms < closed_ms:
+                found.append(thing)
+        return found
+
+    def _is_doubtful(self, thing: Known) -> bool:
+        """Say whether nobody saw it again, and depth spoke against it."""
         parameters = self._parameters
-        closed_ms = self._now_ms - parameters.interval_gap_s * 1000
-        found = [
-            thing
-            for thing in self._memory.things.values()
-            if thing.seen < parameters.confirm_sightings
-            and thing.last_ms < closed_ms
-            and thing.places[0].doubt >= parameters.doubt_odds
-        ]
-        return sorted(found, key=lambda thing: thing.number)
+        is_tentative = thing.seen < parameters.confirm_sightings
+        return is_tentative and thing.places[0].doubt >= parameters.doubt_odds
 
     def _expire(self, missed: list[Known]) -> None:
         """Drop tentative things that were not there in several looks that should show them."""
@@ -254,7 +255,7 @@ class TrackerPipeline:
 
     def take_names(self, taught: Mapping[str, tuple[TaughtName, ...]]) -> None:
         """Learn the names of objects, by id: what has a name is not made part of another."""
-        for thing in self._memory.things.values():
+        for thing in self._recall.things():
             thing.names = taught.get(thing.object_id, ())
 
     def take_constraints(self, constraints: Constraints) -> None:
@@ -266,7 +267,12 @@ class TrackerPipeline:
         """Take in what people changed in the store; all of the memory is written."""
         if not changed.before | changed.after:
             return
-        self._leave(self._recall.refetch(changed.before, changed.after))
+        gone = self._recall.refetch(changed.before, changed.after)
+        self._encounters.write(self._ledger)
+        self._encounters.forget(changed.before | changed.after)
+        for thing in gone:
+            self._absence.forget(thing)
+            self._moves.compared.discard(thing.number)
 
     def _must_stay(self, one: Known, other: Known) -> bool:
         """Say whether two things may not be made one: names, and what a person told, stay."""
@@ -306,7 +312,7 @@ class TrackerPipeline:
 
     def to_state(self) -> tuple[Json, Arrays]:
         """Return everything that `restore` needs."""
-        record, arrays = memory_state(self._memory)
+        record, arrays = self._recall.to_state()
         arrays["look_model"] = self._matcher.looks.sums
         arrays["look_space"] = self._matcher.space.sums
         arrays["look_counts"] = self._matcher.space.counts
@@ -325,14 +331,14 @@ class TrackerPipeline:
             "compared": sorted(self._moves.compared),
             "offset": self._matcher.offset.to_state(),
             "absence": self._absence.to_state(),
-            "recall": self._recall.to_state(),
             "encounters": self._encounters.to_state(),
         }
         return record, arrays
 
     def restore(self, record: Json, arrays: Arrays) -> None:
         """Go on where `to_state` was called."""
-        memory_of_state(self._memory, record, arrays, self._parameters)
+        self._recall.restore(record, arrays)
+        self._doubtful = {t.number for t in self._memory.things.values() if self._is_doubtful(t)}
         self._next_number = record["next"]
         self._matcher.looks.sums = np.array(arrays["look_model"])
         self._matcher.residuals = np.array(arrays["residuals"])
@@ -350,5 +356,4 @@ class TrackerPipeline:
         self._categories.counts.update(record["categories"])
         self._matcher.offset.restore(record["offset"])
         self._absence.restore(record["absence"])
-        self._recall.restore(record["recall"])
         self._encounters.restore(record["encounters"])

@@ -1,0 +1,92 @@
+"""Things that leave a full memory come back as they went."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from d3a.ingest import ingest
+from d3a.known import Known, Place
+from d3a.memory import Memory
+from d3a.model import Detection, Frame, Pose
+from d3a.parameters import DEFAULT
+from tests.worlds.oracle import OracleStore
+from tests.worlds.rounds import CAMERA, FORWARD, START_MS, ListReader, colour, depth_png
+
+SURE = tuple((np.eye(6) * 1e-4).ravel().tolist())
+FAR_M = 60.0
+
+
+def look(n: int, *detections: Detection, x: float = 0.0, away_m: float = 4.0) -> Frame:
+    """A look forward from one of two spots; every other frame is a turn away, and shows nothing."""
+    pose = Pose((x, 0.0 if n % 2 == 0 else 9.0, 0.0), FORWARD, SURE)
+    shown = detections if n % 2 == 0 else ()
+    time_ms = START_MS + n * 200_000  # so far apart, each look counts in full
+    return Frame(f"f{n}", time_ms, pose, CAMERA, None, depth_png(away_m), shown)
+
+
+def seen(category: str, number: int, left: float, x: float) -> Detection:
+    """A thing 2 m ahead; `left` of 28 is straight ahead, and the others stand beside."""
+    box, z = (left, 20.0, left + 8, 28.0), (left - 28) / 25
+    return Detection(category, 0.9, box, position=(x, 0.0, z), embedding=colour(number))
+
+
+def rounds_of_two_rooms(looks_in_vain: int) -> list[Frame]:
+    """A cup and a bowl; the cup is gone; things in the other room; the bowl alone once more."""
+    cup, bowl = seen("cup", 1, 28, 2.0), seen("bowl", 2, 46, 2.0)
+    frames = [look(n, cup, bowl, away_m=2.0) for n in range(12)]
+    frames += [look(n, bowl) for n in range(12, 12 + 2 * looks_in_vain)]
+    n = len(frames)
+    others = [seen("book", 3 + k, 12.0 * k + 4, FAR_M + 2) for k in range(4)]
+    frames += [look(n + k, *others, x=FAR_M) for k in range(8)]
+    n = len(frames)
+    return frames + [look(n + k, bowl) for k in range(4)]
+
+
+def filled(frames: list[Frame], capacity: int) -> OracleStore:
+    store = OracleStore()
+    parameters = DEFAULT.with_changes(stm_capacity=capacity, checkpoint_frames=7)
+    ingest(ListReader(frames), store, parameters)
+    return store
+
+
+@pytest.mark.parametrize("looks_in_vain", [0, 3, 6])
+def test_a_small_memory_tells_of_a_place_what_a_large_one_does(looks_in_vain: int) -> None:
+    frames = rounds_of_two_rooms(looks_in_vain)
+    small, large = filled(frames, 2), filled(frames, 400)
+    assert small.stays() == large.stays()
+    assert small.sightings() == large.sightings()
+    assert [o.object_id for o in small.objects()] == [o.object_id for o in large.objects()]
+
+
+def test_looks_in_vain_add_up_over_a_sleep() -> None:
+    """Else what is looked for now and then would never be seen to be gone."""
+    absent = []
+    for looks_in_vain in (4, 6):  # and two more after it
+        store = filled(rounds_of_two_rooms(looks_in_vain), 2)
+        (cup,) = store.objects(categories=["cup"])
+        (stay,) = store.stays(object_ids=[cup.object_id])
+        absent.append(stay.last_absent_ms is not None)
+    assert absent == [False, True]
+
+
+def test_a_thing_is_put_back_with_all_its_numbers() -> None:
+    memory, rng = Memory(), np.random.default_rng(1)
+    for number in range(80):  # more than fit at first
+        thing = Known(number, {"cup": 1.0}, 0, 0)
+        thing.places = [Place(k, 0, 0) for k in range(1 + number % 3)]
+        memory.things[number] = thing
+        memory.looks.add(thing, colour(number), 2.0)
+        for place in thing.places:
+            mean, raw = rng.normal(size=(2, 3))
+            memory.positions.add(thing, place, mean, raw, np.diag(rng.uniform(0.1, 1, 3)))
+            memory.positions.respread([place.row], DEFAULT)
+    before = memory.whole(memory.things[41])
+    memory.remove(memory.things[41])
+    assert memory.positions.placed == 79
+    memory.put_back(before)
+    after = memory.whole(memory.things[41])
+    assert after.look is not None
+    assert np.array_equal(after.look, colour(41))
+    for (_, old), (_, new) in zip(before.rows, after.rows, strict=True):
+        assert all(np.array_equal(a, b) for a, b in zip(old, new, strict=True))
