@@ -93,8 +93,11 @@ class Appearances:
     @cached_property
     def chances(self) -> Floats:
         """How likely each object is of each of the eleven basic terms: (n, 11), rows sum to 1."""
-        learned = self.pixels.palette.learned
-        chances = self.among(Learned.nothing(), np.zeros((self.pixels.count, len(BASIC))))
+        palette, alone = self.pixels.palette, np.zeros((self.pixels.count, len(BASIC)))
+        learned = palette.learned
+        if palette.is_of_many and learned.called.any():
+            return self.among(learned, alone)  # whatever it told itself: no rounds are needed
+        chances = self.among(Learned.nothing(), alone)
         if learned.called.any():
             for _ in range(_ROUNDS):  # a thing is judged by the others: what it told is taken out
                 chances = self.among(learned, self.telling(chances))

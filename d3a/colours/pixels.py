@@ -61,6 +61,11 @@ class Palette:
     exposure: float
     learned: Learned = field(default_factory=Learned.nothing)
 
+    @property
+    def is_of_many(self) -> bool:
+        """Whether no single thing sways what all of them tell."""
+        return self.count > _AMONG_MANY
+
     @classmethod
     def of(cls, embeddings: NDArray[np.float32]) -> Palette:
         """Measure the histograms (n, 512) of a store, any positive scale a row; nothing learned."""
@@ -160,7 +165,7 @@ class Pixels:
         expected = self._expected(terms(self.palette.exposure)) * np.float32(_ASSUMED)
         shown = learned.shown.astype(np.float32)[:, self.bins]  # (11, m)
         called = learned.called[:, None]
-        if self.palette.count > _AMONG_MANY or not learned.called.any():
+        if self.palette.is_of_many or not learned.called.any():
             among = (called + _ASSUMED).astype(np.float32)
             return self._logs((shown + expected) / among)
         shown -= of_each.T.astype(np.float32)[:, self._row] * self.held
