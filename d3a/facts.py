@@ -84,9 +84,17 @@ def _known(_store: weakref.ref[Store], _revision: tuple[int, int]) -> _Known:
     return _Known()
 
 
+@lru_cache(maxsize=2)
+def _learned(looks: bytes, views: bytes) -> Palette:
+    """Return what `learn` does: few of the commits beside which questions are asked change it."""
+    matrix = np.frombuffer(looks, dtype=np.float32).reshape(-1, HISTOGRAM_SIZE)
+    return learn(matrix, np.frombuffer(views))
+
+
 def forget() -> None:
     """Forget what was read of any store: to measure a question that reads everything anew."""
     _known.cache_clear()
+    _learned.cache_clear()
 
 
 class Facts:
@@ -317,10 +325,9 @@ class Facts:
             usable = len(ids) if matrix.shape[1] >= HISTOGRAM_SIZE else 0
             known = self.store.objects(ids=ids, embeddings=False) if usable else []
             weights = {record.object_id: record.weight for record in known}
-            self._known.palette = learn(
-                histograms(matrix) if usable else np.zeros((0, HISTOGRAM_SIZE), dtype=np.float32),
-                np.array([weights.get(name, 1.0) for name in ids[:usable]]),
-            )
+            views = np.array([weights.get(name, 1.0) for name in ids[:usable]])
+            looks = histograms(matrix) if usable else np.zeros((0, HISTOGRAM_SIZE), np.float32)
+            self._known.palette = _learned(looks.tobytes(), views.tobytes())
         return self._known.palette
 
     def parameters(self) -> Parameters:

@@ -88,6 +88,25 @@ def test_what_a_noun_means_and_how_it_looks_is_worked_out_once(tmp_path: Path) -
         assert looks(Facts(store)) is not seen
 
 
+def test_colours_are_learned_anew_where_looks_or_views_changed() -> None:
+    made = home()
+    for name in ("red", "green"):
+        made.thing(name, "cup", paint=name)
+        made.seen(name, 5, at=(2, 1, 1))
+    store = made.into(OracleStore())
+    first = Facts(store).palette()
+    assert first.count == 2
+    store.apply(Batch(regions=[Region("attic", ROOM)]))
+    assert Facts(store).palette() is first
+    red, green = store.objects(ids=["red", "green"])[::-1]
+    assert (red.object_id, green.object_id) == ("red", "green")
+    store.apply(Batch(objects=[replace(red, weight=20.0)]))
+    better_seen = Facts(store).palette()
+    assert better_seen.learned.called.sum() > first.learned.called.sum()
+    store.apply(Batch(objects=[replace(red, embedding=green.embedding)]))
+    assert Facts(store).palette().total.tolist() != first.total.tolist()
+
+
 def test_candidates_are_of_the_records_given() -> None:
     facts = Facts(home().into(OracleStore()))
     step, records = FindObjects("x", "cup", "cup"), facts.objects(["cup"], embeddings=False)
