@@ -7,9 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner, Result
-
-from assistant.cli import main
+from click.testing import Result
 
 pytest.importorskip("rosbags", reason="rosbags is not installed: pip install 'd3a[ros]'")
 
@@ -17,14 +15,6 @@ from tests.worlds.bags import BOXES, COLOUR, World, as_bag, without
 from tests.worlds.folders import moments
 
 Run = Callable[..., Result]
-
-
-@pytest.fixture
-def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Run:
-    for name in ("XDG_DATA_HOME", "XDG_CONFIG_HOME", "XDG_CACHE_HOME", "XDG_STATE_HOME"):
-        monkeypatch.setenv(name, str(tmp_path / name))
-    monkeypatch.chdir(tmp_path)
-    return lambda *args: CliRunner().invoke(main, args)
 
 
 def test_doctor_tells_topics_tree_and_lacks(run: Run, tmp_path: Path) -> None:

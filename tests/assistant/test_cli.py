@@ -83,18 +83,6 @@ def filled(recording: Path, tmp_path_factory: pytest.TempPathFactory) -> str:
     return uri
 
 
-@pytest.fixture
-def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Run:
-    """Run `d3a` in an empty folder, with empty settings and a home of its own."""
-    for name in list(os.environ):
-        if name.startswith("D3A_") and name != "D3A_SHARED":
-            monkeypatch.delenv(name)
-    for name in ("XDG_DATA_HOME", "XDG_CONFIG_HOME", "XDG_CACHE_HOME", "XDG_STATE_HOME"):
-        monkeypatch.setenv(name, str(tmp_path / name))
-    monkeypatch.chdir(tmp_path)
-    return lambda *args, **options: CliRunner().invoke(main, list(args), **options)
-
-
 def records(result: Result) -> list[Any]:
     return [json.loads(line) for line in result.stdout.splitlines()]
 

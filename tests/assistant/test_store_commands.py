@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 import json
-import os
 import sqlite3
 from collections.abc import Callable
 from contextlib import closing
@@ -27,14 +26,8 @@ HOME = ("--store", "home.db", "--now", NOW)
 
 
 @pytest.fixture
-def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Run:
+def run(own_settings: Path) -> Run:
     """Run `d3a` in a folder with the small home as `home.db`, with settings of its own."""
-    for name in list(os.environ):
-        if name.startswith("D3A_") and name != "D3A_SHARED":
-            monkeypatch.delenv(name)
-    for name in ("XDG_DATA_HOME", "XDG_CONFIG_HOME", "XDG_CACHE_HOME", "XDG_STATE_HOME"):
-        monkeypatch.setenv(name, str(tmp_path / name))
-    monkeypatch.chdir(tmp_path)
     with closing(open_store("home.db")) as store:
         small_home.fill(store)
     return lambda *args, **options: CliRunner().invoke(main, list(args), **options)

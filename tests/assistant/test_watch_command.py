@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 import signal
 import subprocess
 import sys
@@ -24,10 +23,9 @@ ROOT = Path(__file__).resolve().parents[2]
 PATIENCE_S = 60.0
 
 
-def clean_environment(folder: Path) -> dict[str, str]:
-    kept = {name: value for name, value in os.environ.items() if not name.startswith("D3A_")}
-    homes = ("XDG_DATA_HOME", "XDG_CONFIG_HOME", "XDG_CACHE_HOME", "XDG_STATE_HOME")
-    return kept | {name: str(folder / name) for name in homes} | {"PYTHONPATH": str(ROOT)}
+@pytest.fixture(autouse=True)
+def own_environment(own_settings: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("PYTHONPATH", str(ROOT))
 
 
 def d3a(folder: Path, *args: str) -> subprocess.CompletedProcess[str]:
@@ -35,7 +33,6 @@ def d3a(folder: Path, *args: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
         command,
         cwd=folder,
-        env=clean_environment(folder),
         capture_output=True,
         text=True,
         check=False,
@@ -48,7 +45,6 @@ def running(folder: Path, *command: str) -> Iterator[subprocess.Popen[str]]:
     process = subprocess.Popen(
         [sys.executable, *command],
         cwd=folder,
-        env=clean_environment(folder),
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
