@@ -32,7 +32,7 @@ RIM_M = 0.05
 """How far beyond a ground's measured outline a figure's middle may be."""
 LONG_M, GROWS = 1.6, 1.5
 """What is wide is at least so long as furniture is, but no more than so many times as seen."""
-AROUND_M, SIDES = 2.6, 1.5
+AROUND_M, SIDES = 2.8, 1.5
 """Furniture measures so much round two sides, and at least so many of its widths."""
 THIN_M = 0.8
 """No furniture is less deep."""

@@ -206,11 +206,22 @@ class World:
 
 @dataclass
 class Tally:
-    """Right, wrong and missed of one relation."""
+    """Right, wrong and missed of one relation.
+
+    unknown: those of the missed that the store has not both confirmed.
+    """
 
     right: int = 0
     wrong: int = 0
     missed: int = 0
+    unknown: int = 0
+
+    def add(self, other: Tally) -> None:
+        """Count another's too."""
+        self.right += other.right
+        self.wrong += other.wrong
+        self.missed += other.missed
+        self.unknown += other.unknown
 
     @property
     def precision(self) -> float:
@@ -221,6 +232,12 @@ class Tally:
     def recall(self) -> float:
         """Return the share of what is true that is said."""
         return self.right / (self.right + self.missed) if self.right + self.missed else float("nan")
+
+    @property
+    def recall_of_known(self) -> float:
+        """Return the share of what is true, and of confirmed things, that is said."""
+        known = self.right + self.missed - self.unknown
+        return self.right / known if known else float("nan")
 
 
 def stays_of(world: World, link: Link) -> tuple[Stay | None, Stay | None, str]:
@@ -250,6 +267,7 @@ def judged(
     """Yield each relation with its tally."""
     found = everything(store)
     encounters = store.encounters()
+    confirmed = {world.stay_of(seen.frame, seen.box) for seen in found.sightings}
     for kind in (*GIVEN, *DERIVED, *SIDES):
         once = kind in SYMMETRIC
         usual = Facts(store).usual_grounds(kind, VocabularyLexicon())
@@ -258,7 +276,10 @@ def judged(
             (link, bool(p >= HOLDS))
             for link, p in zip(related.links, related.probability, strict=True)
         ]
-        yield kind, _sides(world, kind, pairs) if kind in SIDES else _stays(world, kind, pairs)
+        if kind in SIDES:
+            yield kind, _sides(world, kind, pairs)
+        else:
+            yield kind, _stays(world, kind, pairs, confirmed)
     yield "between", _between(world, found, encounters, parameters)
 
 
@@ -300,7 +321,12 @@ def _sides(world: World, kind: RelationKind, pairs: list[tuple[Link, bool]]) -> 
     return tally
 
 
-def _stays(world: World, kind: RelationKind, pairs: list[tuple[Link, bool]]) -> Tally:
+def _stays(
+    world: World,
+    kind: RelationKind,
+    pairs: list[tuple[Link, bool]],
+    confirmed: set[Stay | None],
+) -> Tally:
     said: set[tuple[Stay, Stay]] = set()
     mistaken = 0
     for link, holds in pairs:
@@ -320,6 +346,7 @@ def _stays(world: World, kind: RelationKind, pairs: list[tuple[Link, bool]]) -> 
         true = true_of(kind, *pair)
         if true is not None:
             _count(tally, said=pair in said, true=true)
+            tally.unknown += true and pair not in said and not confirmed.issuperset(pair)
     return tally
 
 
@@ -343,19 +370,16 @@ def main() -> None:
             for condition, kind, tally in measured(
                 Path(folder), given.hours, seed, given.conditions, plain=given.plain
             ):
-                sums = total[condition, kind]
-                sums.right += tally.right
-                sums.wrong += tally.wrong
-                sums.missed += tally.missed
+                total[condition, kind].add(tally)
     for condition in given.conditions:
         goal = GOALS.get(condition)
         say(f"{condition}, {given.hours:g} h, seeds {given.seeds}, goal {goal}")
-        say("  relation       precision  recall   true   said")
+        say("  relation       precision  recall  of known   true   said")
         for (of, kind), tally in total.items():
             if of == condition:
                 true, told = tally.right + tally.missed, tally.right + tally.wrong
                 line = f"  {kind:13s} {tally.precision:10.2f} {tally.recall:7.2f}"
-                say(f"{line} {true:6d} {told:6d}")
+                say(f"{line} {tally.recall_of_known:9.2f} {true:6d} {told:6d}")
 
 
 def measured(
