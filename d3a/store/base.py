@@ -179,6 +179,10 @@ class Store(Protocol):
         """
         ...
 
+    def moment(self) -> AbstractContextManager[object]:
+        """Have all reads within see one moment, whatever others write; a server cannot."""
+        ...
+
     # OIc
     def objects(
         self,

@@ -20,19 +20,21 @@ Progress = Callable[[int], None]
 def copy_store(source: Store, target: Store, *, progress: Progress | None = None) -> Json:
     """Copy everything, pictures and checkpoint included, and return the target's counts.
 
-    progress: called with the number of records copied so far. Raises StoreRefused where the
-    target is not empty, StoreError where the copy is not equal to what the source holds: nobody
-    may write to it meanwhile. A target that was cut short is best deleted.
+    progress: called with the number of records copied so far. Of a file one moment is copied,
+    whatever is written to it meanwhile; to a server nobody may write. Raises StoreRefused where
+    the target is not empty, StoreError where the copy is not equal to what the source holds. A
+    target that was cut short is best deleted.
     """
     if next(iter(target.dump()), None) is not None:
         raise StoreRefused(f"{target.uri} is not empty; copy into a new store")
     copied = 0
-    for count, batch in _batches(source):
-        target.apply(batch)
-        copied += count
-        if progress is not None:
-            progress(copied)
-    _verify(source, target)
+    with source.moment():
+        for count, batch in _batches(source):
+            target.apply(batch)
+            copied += count
+            if progress is not None:
+                progress(copied)
+        _verify(source, target)
     return target.counts()
 
 
@@ -74,7 +76,8 @@ def _verify(source: Store, target: Store) -> None:
     for wanted, found in zip_longest(source.dump(), target.dump()):
         if wanted != found:
             said = json.dumps({"source": wanted, "copy": found}, ensure_ascii=False)
-            raise StoreError(f"{target.uri} is not equal to {source.uri}: {said[:400]}")
+            told = f"{target.uri} is not equal to {source.uri}"
+            raise StoreError(f"{told}; was that written to meanwhile? {said[:200]}")
     for key in source.keyframe_keys():
         if source.keyframe(key) != target.keyframe(key):
             raise StoreError(f"{target.uri}: picture {key!r} differs from that of {source.uri}")

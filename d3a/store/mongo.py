@@ -11,7 +11,7 @@ import json
 import threading
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from typing import Any
 
 import numpy as np
@@ -134,6 +134,10 @@ class MongoStore(ByReading):
         return False
 
     # reading
+    def moment(self) -> AbstractContextManager[object]:
+        """Return a context of no effect: reads see what others write meanwhile."""
+        return nullcontext()
+
     def _find(self, name: str, find: Find) -> list[Document]:
         """Run one find; the observer is told of it, with the index of the winning plan."""
         with self._translated(self.uri):

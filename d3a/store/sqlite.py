@@ -169,6 +169,16 @@ class SqliteStore:
         return True
 
     # reading
+    @contextmanager
+    def moment(self) -> Iterator[None]:
+        """Have all reads within see one moment; others may write meanwhile."""
+        with self._lock, self._translated():
+            self._db.execute("BEGIN")
+            try:
+                yield
+            finally:
+                self._db.execute("ROLLBACK")
+
     def _rows(self, text: str, parameters: dict[str, Any] | None = None) -> list[Row]:
         """Run one query; the observer is told of it."""
         given = parameters or {}
@@ -377,5 +387,10 @@ class SqliteStore:
 
     def dump(self) -> Iterator[Json]:
         """Yield every record in a fixed order, from one moment, whatever is written meanwhile."""
-        with self._translated(), closing(connect(self._path, read_only=True)) as connection:
-            yield from dump_records(Moment(connection))
+        with self._translated():
+            if self._db.in_transaction:
+                yield from dump_records(Moment(self._db))
+                return
+            with closing(connect(self._path, read_only=True)) as connection:
+                connection.execute("BEGIN")
+                yield from dump_records(Moment(connection))

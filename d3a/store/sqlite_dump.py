@@ -12,11 +12,10 @@ from d3a.store.rows import READERS
 
 
 class Moment:
-    """What a dump reads: one transaction of its own, rows as they come."""
+    """What a dump reads, in a transaction that has begun: rows as they come."""
 
     def __init__(self, connection: sqlite3.Connection) -> None:
         self._db = connection
-        connection.execute("BEGIN")
 
     def meta_entries(self) -> Iterable[tuple[str, Any]]:
         """Yield (key, value) by key."""

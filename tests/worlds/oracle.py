@@ -7,7 +7,7 @@ import threading
 import time
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import AbstractContextManager
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import replace
 from typing import Any
 
@@ -67,6 +67,9 @@ class OracleStore:
 
     def turn(self) -> AbstractContextManager[object]:
         return self._turn
+
+    def moment(self) -> AbstractContextManager[object]:
+        return nullcontext()
 
     def lease(self) -> Lease | None:
         return self._lease
