@@ -21,7 +21,7 @@ from d3a.pairs import (
     within,
 )
 
-REACH_M = 0.9
+UNMEASURED_M = 0.9
 """Half the width of a ground that nothing measured and none of its kind."""
 WIDE_M = 0.75
 """What is as wide as a table is seldom seen whole, and is longer one way than the other."""
@@ -52,7 +52,7 @@ def footprint(pairs: Pairs) -> Floats:
     wide = soft_step(width, WIDE_M, 0.04)
     whole = np.where(wide > 0.5, np.maximum(width, np.minimum(GROWS * width, LONG_M)), width)
     half = (1 - wide) * HALF_SHARE * width + wide * whole / 2 + RIM_M
-    half = np.where(np.isnan(width), REACH_M, half)
+    half = np.where(np.isnan(width), UNMEASURED_M, half)
     across, along = spread_out(pairs)
     in_picture, shown = _in_picture(pairs, whole)
     by_place = normal_cdf((half - across) / pairs.sigma)
