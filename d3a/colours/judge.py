@@ -25,7 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from d3a.colours.names import BASIC, Floats, is_metal, rest_of
-from d3a.colours.pixels import MOST_VIEWS, Learned, Palette, Pixels, times_seen
+from d3a.colours.pixels import AMONG_MANY, MOST_VIEWS, Learned, Palette, Pixels, times_seen
 from d3a.colours.terms import looks_like, rest_looks_like, terms
 
 _LOOKS = 8.0
@@ -158,7 +158,9 @@ def learn(embeddings: NDArray[np.float32], views: Floats | None = None) -> Palet
     views (n,): by how many views each was seen; one where it is left out.
     """
     palette = Palette.of(embeddings)
-    seen = Appearances.of(embeddings, palette, views)
+    known = np.ones(len(embeddings)) if views is None else views
+    best = np.sort(np.argsort(-known, kind="stable")[:AMONG_MANY])  # the best seen tell the most
+    seen = Appearances.of(embeddings[best], palette, known[best])
     telling = seen.telling(seen.chances)
     learned = seen.pixels.told(telling)
     for _ in range(_ROUNDS):

@@ -27,8 +27,8 @@ _ASSUMED = 3.0
 """What a colour looks like by the lists counts as much as so many well seen things of a store."""
 _STRANGE = 1e-4
 """The least share of a bin: no thing shows what others of its colour never do for certain."""
-_AMONG_MANY = 500
-"""Among so many things no one of them sways what is learned of them all."""
+AMONG_MANY = 300
+"""So many things tell what colours look like; among more no one of them sways that."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,7 +64,7 @@ class Palette:
     @property
     def is_of_many(self) -> bool:
         """Whether no single thing sways what all of them tell."""
-        return self.count > _AMONG_MANY
+        return self.count > AMONG_MANY
 
     @classmethod
     def of(cls, embeddings: NDArray[np.float32]) -> Palette:

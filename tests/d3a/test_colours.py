@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from d3a.colours import BASIC, Appearances, Palette, colours_of, is_colour, judge, learn
 from d3a.colours.names import rest_of
-from d3a.colours.pixels import as_shares
+from d3a.colours.pixels import AMONG_MANY, as_shares
 from tests.worlds.made import PAINTS, Rgb, painted
 
 WALLS: tuple[Rgb, ...] = ((150, 120, 90), (170, 170, 165), (90, 80, 75), (210, 200, 180))
@@ -97,6 +97,16 @@ def test_what_is_seen_often_tells_more_of_its_colour() -> None:
     views = np.where(np.array(names) == "red", 30.0, 1.0)
     learned = learn(matrix, views).learned.called
     assert learned[BASIC.index("red")] > 2 * learned[BASIC.index("blue")]
+
+
+def test_in_a_large_store_the_best_seen_teach() -> None:
+    matrix, _ = crockery()
+    many = np.tile(matrix, (AMONG_MANY // len(matrix) + 2, 1))
+    views = np.where(np.arange(len(many)) < AMONG_MANY, 30.0, 1.0)
+    large, teachers = learn(many, views), learn(many[:AMONG_MANY], views[:AMONG_MANY])
+    assert large.count == len(many)
+    assert large.learned.called.sum() == pytest.approx(AMONG_MANY)
+    assert np.allclose(large.learned.called, teachers.learned.called, atol=1.0)
 
 
 @pytest.mark.parametrize(
