@@ -136,12 +136,11 @@ class Preparation:
         """How many frames the detector is best shown at once."""
         return self._detector.batch if isinstance(self._detector, BatchDetector) else 1
 
-    def prepare(self, frame: Frame, skipped: Skipped) -> Prepared:
-        """Return the frame's scene; what is broken in it is added to `skipped`."""
-        return self.prepare_all([frame], [skipped])[0]
-
     def prepare_all(self, frames: Sequence[Frame], skipped: Sequence[Skipped]) -> list[Prepared]:
-        """Return the scenes of frames that are looked at together; skipped: of each its own."""
+        """Return the scenes of frames that are looked at together.
+
+        skipped: of each its own; what is broken in it is added there.
+        """
         if not frames:
             return []
         with self._stopwatch.stage("decode"):

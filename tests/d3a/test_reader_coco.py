@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import json
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from d3a.ingest import IngestSummary, ingest
+from d3a.ingest import ingest
 from d3a.model import BadInput
 from d3a.parameters import DEFAULT, PAPER, Parameters
 from d3a.preparation import BROKEN_PICTURE, OUTSIDE
@@ -17,6 +18,7 @@ from d3a.readers.base import Described
 from d3a.readers.coco import CERTAIN_NOTE, CUT_OFF, NO_TIME, UNKNOWN_IMAGE
 from d3a.readers.opening import open_source
 from tests.worlds.folders import (
+    NAMED,
     as_recording,
     camera_file,
     dumped,
@@ -24,12 +26,13 @@ from tests.worlds.folders import (
     moments,
     pictures,
     pose_lines,
+    taken_by,
     write_csv,
 )
 from tests.worlds.oracle import OracleStore
 from tests.worlds.rounds import depth_png
 
-NAMED = {"name": "same", "site": "lab"}
+taken = partial(taken_by, "CocoReader")
 CATEGORIES = [{"id": 47, "name": "cup"}, {"id": 51, "name": "bowl"}]
 
 
@@ -62,13 +65,6 @@ def as_coco(folder: Path, layout: str = "xywh", *, size: bool = True) -> Path:
     write_csv(folder / "times.csv", ("file_name", "time"), [(m.name, m.iso) for m in moments()])
     (folder / "poses.txt").write_text(pose_lines())
     return folder
-
-
-def taken(source: Path, **options: str) -> tuple[IngestSummary, OracleStore]:
-    store = OracleStore()
-    reader = open_source(source, zone="UTC", options=NAMED | options)
-    assert type(reader).__name__ == "CocoReader"
-    return ingest(reader, store, DEFAULT), store
 
 
 def plain_store(tmp_path: Path, parameters: Parameters = DEFAULT) -> OracleStore:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from d3a.ingest import IngestSummary, ingest
+from d3a.ingest import ingest
 from d3a.model import BadInput
 from d3a.parameters import DEFAULT, PAPER, Parameters
 from d3a.preparation import BROKEN_DEPTH, BROKEN_PICTURE, OUTSIDE
@@ -16,6 +17,7 @@ from d3a.readers.base import Described
 from d3a.readers.opening import open_source
 from d3a.readers.tracks import BROKEN_POSE
 from tests.worlds.folders import (
+    NAMED,
     as_recording,
     camera_file,
     depths,
@@ -23,12 +25,13 @@ from tests.worlds.folders import (
     found,
     moments,
     pictures,
+    taken_by,
     write_csv,
 )
 from tests.worlds.oracle import OracleStore
 from tests.worlds.rounds import depth_png
 
-NAMED = {"name": "same", "site": "lab"}
+taken = partial(taken_by, "CsvReader")
 PLAIN = ("frame", "time", "image", "depth", "category", "probability", "x1", "y1", "x2", "y2")
 POSE = tuple(f"pose_{name}" for name in ("x", "y", "z", "qx", "qy", "qz", "qw"))
 OTHER = ("Frame ID", "Timestamp", "file_name", "depth-file", "Label", "confidence")
@@ -69,13 +72,6 @@ def as_csv(
     ]
     write_csv(folder / "detections.csv", (*header, *POSE), rows)
     return folder
-
-
-def taken(source: Path, **options: str) -> tuple[IngestSummary, OracleStore]:
-    store = OracleStore()
-    reader = open_source(source, zone="UTC", options=NAMED | options)
-    assert type(reader).__name__ == "CsvReader"
-    return ingest(reader, store, DEFAULT), store
 
 
 @pytest.mark.parametrize("parameters", [DEFAULT, PAPER], ids=["default", "paper"])

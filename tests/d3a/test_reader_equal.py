@@ -16,12 +16,11 @@ from d3a.preparation import BROKEN_PICTURE, OUTSIDE
 from d3a.readers.kuri import LOCATION_SIGMA_M
 from d3a.readers.opening import open_source
 from d3a.readers.posed import EPOCH, POSE_SIGMA_M, POSE_SIGMA_RAD
-from tests.worlds.folders import depths, dumped, found, moments, pictures, write_csv
+from tests.worlds.folders import NAMED, depths, dumped, found, moments, pictures, write_csv
 from tests.worlds.oracle import OracleStore
 from tests.worlds.rounds import CAMERA, depth_png, write_recording
 
 PROFILES = pytest.mark.parametrize("parameters", [DEFAULT, PAPER], ids=["default", "paper"])
-NAMED = {"name": "same", "site": "lab"}
 
 
 def filled(folder: Path, parameters: Parameters, **options: str) -> OracleStore:

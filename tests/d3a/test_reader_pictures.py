@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 
 import pytest
 from PIL import Image
 
-from d3a.ingest import IngestSummary, ingest
+from d3a.ingest import ingest
 from d3a.model import BadInput
 from d3a.parameters import DEFAULT, PAPER, Parameters
 from d3a.preparation import BROKEN_PICTURE, OUTSIDE
@@ -19,6 +20,7 @@ from d3a.readers.opening import open_source
 from d3a.readers.pictures import NO_TIME, time_in_name
 from d3a.readers.tracks import BROKEN_POSE, BROKEN_TIME
 from tests.worlds.folders import (
+    NAMED,
     as_recording,
     boxes_file,
     camera_file,
@@ -27,12 +29,13 @@ from tests.worlds.folders import (
     moments,
     pictures,
     pose_lines,
+    taken_by,
     write_csv,
 )
 from tests.worlds.oracle import OracleStore
 from tests.worlds.rounds import depth_png, jpeg
 
-NAMED = {"name": "same", "site": "lab"}
+taken = partial(taken_by, "PicturesReader")
 
 
 def as_pictures(folder: Path, *, poses: bool = True, boxes: bool = True) -> Path:
@@ -45,12 +48,6 @@ def as_pictures(folder: Path, *, poses: bool = True, boxes: bool = True) -> Path
     if boxes:
         boxes_file(folder)
     return folder
-
-
-def taken(folder: Path, **options: str) -> tuple[IngestSummary, OracleStore]:
-    store = OracleStore()
-    reader = open_source(folder, zone="UTC", options=NAMED | options)
-    return ingest(reader, store, DEFAULT), store
 
 
 @pytest.mark.parametrize("parameters", [DEFAULT, PAPER], ids=["default", "paper"])

@@ -7,13 +7,14 @@ import math
 import sys
 import tracemalloc
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from d3a.floor_map import FREE, OCCUPIED, UNKNOWN, stored_map
-from d3a.ingest import IngestSummary, ingest
+from d3a.ingest import ingest
 from d3a.model import BadInput, Pose
 from d3a.parameters import DEFAULT, PAPER, Parameters
 from d3a.readers.beside import NO_POSE
@@ -27,16 +28,10 @@ from d3a.teaching import put_map
 pytest.importorskip("rosbags", reason="rosbags is not installed: pip install 'd3a[ros]'")
 
 from tests.worlds.bags import BOXES, COLOUR, DEPTH, KINDS, Said, World, as_bag, moved, put, without
-from tests.worlds.folders import as_recording, dumped, found, moments, pose_lines
+from tests.worlds.folders import NAMED, as_recording, dumped, found, moments, pose_lines, taken_by
 from tests.worlds.oracle import OracleStore
 
-NAMED = {"name": "same", "site": "lab"}
-
-
-def taken(bag: Path, **options: str) -> tuple[IngestSummary, OracleStore]:
-    store = OracleStore()
-    reader = open_source(bag, zone="UTC", options=NAMED | options)
-    return ingest(reader, store, DEFAULT), store
+taken = partial(taken_by, "RosbagReader")
 
 
 @pytest.mark.parametrize("parameters", [DEFAULT, PAPER], ids=["default", "paper"])

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 
 import cv2
 import numpy as np
 import pytest
 
-from d3a.ingest import IngestSummary, ingest
+from d3a.ingest import ingest
 from d3a.model import BadInput
 from d3a.parameters import DEFAULT, PAPER, Parameters
 from d3a.preparation import BROKEN_DEPTH, BROKEN_PICTURE, OUTSIDE
@@ -18,17 +19,11 @@ from d3a.readers.opening import open_source
 from d3a.readers.tracks import BROKEN_POSE, BROKEN_TIME
 from d3a.readers.tum import NO_DEPTH, NO_POSE
 from d3a.sieve import BACKWARDS
-from tests.worlds.folders import as_recording, as_tum, dumped, moments
+from tests.worlds.folders import NAMED, as_recording, as_tum, dumped, moments, taken_by
 from tests.worlds.oracle import OracleStore
 from tests.worlds.rounds import depth_png
 
-NAMED = {"name": "same", "site": "lab"}
-
-
-def taken(folder: Path, **options: str) -> tuple[IngestSummary, OracleStore]:
-    store = OracleStore()
-    reader = open_source(folder, zone="UTC", options=NAMED | options)
-    return ingest(reader, store, DEFAULT), store
+taken = partial(taken_by, "TumReader")
 
 
 def edit(path: Path, old: str, new: str) -> None:

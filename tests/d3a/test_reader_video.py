@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from functools import partial
 from pathlib import Path
 
 import cv2
@@ -10,7 +11,7 @@ import numpy as np
 import pytest
 
 from d3a.images import decode
-from d3a.ingest import IngestSummary, ingest
+from d3a.ingest import ingest
 from d3a.model import BadInput
 from d3a.parameters import DEFAULT, PAPER, Parameters
 from d3a.preparation import OUTSIDE
@@ -22,19 +23,21 @@ from d3a.readers.tracks import BROKEN_POSE
 from d3a.readers.video import ENDS_EARLY, NO_TIME
 from d3a.videos import Video
 from tests.worlds.folders import (
+    NAMED,
     as_recording,
     camera_file,
     dumped,
     found,
     moments,
     pose_lines,
+    taken_by,
     write_csv,
 )
 from tests.worlds.oracle import OracleStore
 from tests.worlds.rounds import START_MS, jpeg
 
-NAMED = {"name": "same", "site": "lab"}
 START = moments()[0].iso
+taken = partial(taken_by, "VideoReader", start=START)
 
 
 def write_video(path: Path, copies: int = 1, codec: str = "MJPG") -> Path:
@@ -65,13 +68,6 @@ def as_video(folder: Path) -> Path:
     camera_file(folder)
     boxes_of_frames(folder / "detections.jsonl")
     return folder
-
-
-def taken(source: Path, **options: str) -> tuple[IngestSummary, OracleStore]:
-    store = OracleStore()
-    reader = open_source(source, zone="UTC", options=NAMED | {"start": START} | options)
-    assert type(reader).__name__ == "VideoReader"
-    return ingest(reader, store, DEFAULT), store
 
 
 def of_its_pictures(tmp_path: Path, video: Path) -> Path:

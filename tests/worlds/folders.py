@@ -13,10 +13,15 @@ from typing import Any
 import cv2
 import numpy as np
 
+from d3a.ingest import IngestSummary, ingest
+from d3a.parameters import DEFAULT
+from d3a.readers.opening import open_source
 from tests.worlds.oracle import OracleStore
 from tests.worlds.rounds import CAMERA, START_MS, jpeg, write_recording
 
 STEP_MS = 500
+NAMED = {"name": "same", "site": "lab"}
+"""What the recording says of itself, for forms that cannot say it."""
 
 
 @dataclass(frozen=True)
@@ -133,6 +138,14 @@ def write_csv(path: Path, header: Sequence[str], rows: Sequence[Sequence[object]
     with path.open("w", newline="", encoding="utf-8") as lines:
         csv.writer(lines).writerows([header, *rows])
     return path
+
+
+def taken_by(reader: str, source: Path, **options: str) -> tuple[IngestSummary, OracleStore]:
+    """Ingest a form of the small recording, which a reader of this name has to open."""
+    store = OracleStore()
+    opened = open_source(source, zone="UTC", options=NAMED | options)
+    assert type(opened).__name__ == reader
+    return ingest(opened, store, DEFAULT), store
 
 
 def dumped(store: OracleStore, *, sizes: bool = True) -> list[dict[str, Any]]:
