@@ -234,6 +234,15 @@ class Looks:
         self._stale[stale] = False
         return (units[:count] @ self._units[rows].T).astype(np.float64)
 
+    def unit(self, thing: Known, space: LookSpace) -> NDArray[np.float32]:
+        """Return what `space.of` makes of the feature of a thing (d,), until the next change."""
+        if self._is_old(space) or self._stale[thing.row]:
+            return np.asarray(self.units([thing], space)[0])
+        return np.asarray(self._units[thing.row])
+
+    def _is_old(self, space: LookSpace) -> bool:
+        return self._units.shape != self._matrix.shape or space.ready() != self._version
+
     def units(self, things: list[Known], space: LookSpace) -> NDArray[np.float32]:
         """Return what `space.of` makes of the features of some things (m, d), in their order."""
         rows, stale = self._stale_of(things, space)

@@ -102,35 +102,38 @@ class Moves:
         pairs: list[Pair],
         fresh: list[Known],
         left: list[tuple[Known, Place]],
-        density: Floats,
+        density: list[float],
     ) -> list[Link]:
         """Return the plain ones of the pairs, against all that either end may be instead.
 
         fresh, left: all things of the category that turned up, and that were missed.
         """
         least = self._parameters.move_probability
-        weights = np.exp(np.minimum(self._odds(pairs, density), 50.0))
         links = []
-        # Whatever the rivals are, less than this is not plain: nearly all pairs end here.
-        for k in np.flatnonzero(weights * (1.0 - least) >= least).tolist():
-            new, old, place = pairs[k]
+        for (new, old, place), weight in zip(pairs, self._weights(pairs, density), strict=True):
+            if weight * (1.0 - least) < least:
+                continue  # whatever the rivals are, it is not plain: nearly all pairs end here
             rivals = [(new, o, p) for o, p in left if p.last_ms < new.first_ms and o is not new]
             rivals += [
                 (n, old, place) for n in fresh if place.last_ms < n.first_ms and n is not old
             ]
-            others = np.exp(np.minimum(self._odds(rivals, density), 50.0))
-            chance = float(weights[k] / (1.0 + others.sum() - weights[k]))  # it is in both lists
+            others = sum(self._weights(rivals, density))
+            chance = weight / (1.0 + others - weight)  # it is in both lists
             if chance >= least:
                 links.append(Link(old, new, chance))
         return links
 
-    def _likeness(self, ones: list[Known], others: list[Known]) -> Floats:
-        """Return the cosines (n,) of one thing each with another, NaN where a look is unknown."""
+    def _weights(self, pairs: list[Pair], density: list[float]) -> list[float]:
+        return [math.exp(min(odds, 50.0)) for odds in self._odds(pairs, density)]
+
+    def _likeness(self, one: Known, others: list[Known]) -> list[float]:
+        """Return the cosines of a thing with those of some others whose looks are known."""
+        known = [other for other in others if other.look_weight > 0]
+        if one.look_weight == 0 or not known:
+            return []
         looks = self._memory.looks
-        left, right = (looks.units(each, self._space) for each in (ones, others))
-        known = [a.look_weight > 0 and b.look_weight > 0 for a, b in zip(ones, others, strict=True)]
-        cosines = np.einsum("nd,nd->n", left, right).astype(np.float64)
-        return np.where(known, cosines, np.nan)
+        alike = looks.units(known, self._space) @ looks.unit(one, self._space)
+        return [float(each) for each in alike]
 
     def _compare(self, fresh: list[Known], confirmed: list[Known]) -> None:
         """Learn from those that were seen elsewhere since: they are other things."""
@@ -144,31 +147,37 @@ class Moves:
                 and other is not new
             ]
             if others:
-                likeness = self._likeness([new] * len(others), others)
-                np.add.at(self.others, _bins(likeness[~np.isnan(likeness)]), 1.0)
+                for likeness in self._likeness(new, others):
+                    self.others[_bin(likeness)] += 1.0
 
-    def _odds(self, pairs: list[Pair], density: Floats) -> Floats:
+    def _odds(self, pairs: list[Pair], density: list[float]) -> list[float]:
         """Return the log-odds (n,) that `new` is `old`, which was last seen at `place`.
 
-        density: see `_densities`.
+        density: see `_densities`. One by one: there are three or four of them.
         """
-        likeness = self._likeness([new for new, _, _ in pairs], [old for _, old, _ in pairs])
+        parameters, looks = self._parameters, self._memory.looks
         # Means vary less than the views that are compared with them.
         usual = math.sqrt(max(float(self._looks.sums[-1, SAME, 1]), 0.0))
-        away = np.minimum((likeness - usual) / SAME_SIGMA, 0.0)
-        bell = np.exp(-(away**2) / 2) / (SAME_SIGMA * math.sqrt(2 * math.pi))
-        same = (1 - SAME_OUTLIERS) * bell + SAME_OUTLIERS / 2
-        look = np.log(same / density[_bins(np.nan_to_num(likeness))])
-        left = np.minimum([place.evidence for _, _, place in pairs], GONE_MOST)
-        odds = look + left + self._parameters.move_odds
-        # An empty place alone does not say what left it; nor does NaN, where a look is unknown.
-        return np.asarray(np.where(look >= self._parameters.plain_odds, odds, -np.inf))
+        odds = []
+        for new, old, place in pairs:
+            look = -math.inf  # an empty place alone does not say what left it
+            if new.look_weight > 0 and old.look_weight > 0:
+                likeness = float(looks.unit(new, self._space) @ looks.unit(old, self._space))
+                away = min((likeness - usual) / SAME_SIGMA, 0.0)
+                bell = math.exp(-(away**2) / 2) / (SAME_SIGMA * math.sqrt(2 * math.pi))
+                same = (1 - SAME_OUTLIERS) * bell + SAME_OUTLIERS / 2
+                look = math.log(same / density[_bin(likeness)])
+            left = min(place.evidence, GONE_MOST)
+            is_alike = look >= parameters.plain_odds
+            odds.append(look + left + parameters.move_odds if is_alike else -math.inf)
+        return odds
 
-    def _densities(self) -> Floats:
+    def _densities(self) -> list[float]:
         """Return how dense different things lie at likenesses (BINS,), from there up, smoothed."""
         above = self.others[::-1].cumsum()[::-1]
         first = np.maximum(np.arange(BINS) - 1, 0)
-        return np.asarray(above[first] / above[0] / ((BINS - first) * 2 / BINS))
+        densities: list[float] = (above[first] / above[0] / ((BINS - first) * 2 / BINS)).tolist()
+        return densities
 
 
 def _assumed() -> Floats:
@@ -177,9 +186,9 @@ def _assumed() -> Floats:
     return np.asarray(OTHER_PRIOR * bell / bell.sum())
 
 
-def _bins(likeness: Floats) -> NDArray[np.intp]:
-    """Return the bins (n,) of likenesses (n,)."""
-    return ((likeness + 1.0) / 2.0 * BINS).astype(np.intp).clip(0, BINS - 1)
+def _bin(likeness: float) -> int:
+    """Return the bin of a likeness."""
+    return min(max(int((likeness + 1.0) / 2.0 * BINS), 0), BINS - 1)
 
 
 def _is_unexplained(thing: Known) -> bool:
