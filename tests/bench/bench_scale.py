@@ -47,7 +47,7 @@ FORMS: dict[str, Form] = {
     "Q2 all time": lambda a, b: f"Did you see a {a} with a {b}?",
 }
 BEFORE: dict[str, Form] = {
-    "Q1 colour": lambda a, b: f"Did you ever see a dark blue {a}?",
+    "Q1 colour": lambda a, b: f"Did you ever see a green {a}?",
     "Q1 whether": lambda a, b: f"When did you first see the {a}?",
     "Q1 last": lambda a, b: f"When did you first see the {a}?",
     "Q3 a day": lambda a, b: f"Where was the {a} two days ago?",
