@@ -62,13 +62,16 @@ def _name(sighting: Sighting) -> str:
 
 
 def _overlapping(sightings: Sequence[Sighting]) -> Iterator[Sighting]:
-    """Yield the sightings of a stay that are not in order: one thing is seen once at a time."""
-    last: dict[StayKey, Sighting] = {}
+    """Yield the sightings of a stay that are not in order: one thing is seen once at a time.
+
+    In each recording, that is: two of one hour may both show it.
+    """
+    last: dict[tuple[StayKey, str], Sighting] = {}
     for sighting in sightings:
-        before = last.get(sighting.stay)
+        before = last.get((sighting.stay, sighting.recording))
         if before is not None and sighting.start_ms <= before.end_ms:
             yield sighting
-        last[sighting.stay] = sighting
+        last[sighting.stay, sighting.recording] = sighting
 
 
 def _outgrown(store: Store, sightings: Sequence[Sighting]) -> list[tuple[StayRecord, StayRecord]]:

@@ -12,6 +12,7 @@ from d3a.examination import examine, facts_of, mend
 from d3a.forgotten import UNSCRUBBED
 from d3a.store.base import Batch, Keyframe, Store
 from tests.worlds import small_home
+from tests.worlds.oracle import OracleStore
 
 MINUTE_MS = 60_000
 
@@ -76,3 +77,13 @@ def test_facts_tell_what_a_store_is(make_store: Callable[[], Store]) -> None:
             False,
         )
         assert facts["first_ms"] < facts["last_ms"]
+
+
+def test_two_recordings_of_one_hour_may_show_one_thing() -> None:
+    store = OracleStore()
+    small_home.fill(store)
+    store.apply(overlapping(store))
+    (_, within) = store.sightings(object_ids=["cup-1"])
+    assert len(examine(store)) == 1
+    store.apply(Batch(sightings=[replace(within, recording="another camera")]))
+    assert examine(store) == []
