@@ -151,8 +151,8 @@ def ask(
     fails are answers with their status, never an exception.
     """
     started = perf_counter()
-    facts = Facts(store)
     try:
+        facts = Facts(store)
         query = read_question(store, text, now=now, facts=facts)
     except QuestionError as error:
         return replace(refusal(error), id=id, elapsed_ms={"total": _ms_since(started)})
@@ -190,12 +190,11 @@ def ask_query(
     facts: what was read of the store for this question already.
     """
     started = perf_counter()
-    facts = facts or Facts(store)
     rung = _precision(precision)
     try:
+        facts = facts or Facts(store)
         parameters = facts.parameters()
         query = on_a_spot(query, facts)
-        spot = of_the_spot(query, facts)
         meant = as_of_now(query)
         answer = execute(
             plan(meant, parameters=parameters, precision=rung),
@@ -206,15 +205,21 @@ def ask_query(
             parameters=parameters,
             facts=facts,
         )
+        answer = _said(replace(answer, query=query), query, facts, now)
     except StoreError as error:
         return replace(failure(query.text, error), query=query)
-    answer = without_itself(answer, query)
-    said = " ".join(part for part in (sentence(answer, now=now), spot) if part)
-    if facts.meta(FORGOTTEN):
-        said = but_forgotten(said, answer)
-    answer = told_as_place(replace(answer, query=query, answer=said), query, facts)
     answer = within(answer, limit)
     return replace(answer, elapsed_ms=answer.elapsed_ms | {"total": _ms_since(started)})
+
+
+def _said(answer: Answer, query: FormalQuery, facts: Facts, now: datetime) -> Answer:
+    """Return the answer with its sentence, and which of a place and a thing was meant."""
+    answer = without_itself(answer, query)
+    parts = (sentence(answer, now=now), of_the_spot(query, facts))
+    said = " ".join(part for part in parts if part)
+    if facts.meta(FORGOTTEN):
+        said = but_forgotten(said, answer)
+    return told_as_place(replace(answer, answer=said), query, facts)
 
 
 def explain(store: Store, text: str | FormalQuery, *, now: datetime) -> Explanation:

@@ -97,7 +97,7 @@ def answer_lines(answer: Answer, now: datetime, *, rows: int | None = None) -> l
     if answer.message and answer.message != answer.answer and answer.answer:
         lines.append(answer.message)
     if (answer.keyframes or answer.otherwise) and not tells_nothing(answer):
-        header = ["#", "what", "last seen", "where", "how sure", "views", "score", "frame"]
+        header = ["#", "what", "last seen", "where", "how sure", "seen", "score", "frame"]
         instead = (answer.otherwise,) if answer.otherwise else ()
         shown = answer.keyframes[:rows] or instead
         cells = [[str(k.rank), *keyframe_row(k, now), f"{k.score:.2f}", k.frame] for k in shown]

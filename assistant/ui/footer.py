@@ -1,11 +1,11 @@
-"""The line of keys at the bottom: whole words, as many as the window has room for."""
+"""The lines of keys at the bottom: whole words, as many as the window has room for."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
 from rich.cells import cell_len
-from textual.widgets import Footer
+from textual.widgets import Footer, Static
 from textual.widgets._footer import FooterKey
 
 if TYPE_CHECKING:
@@ -44,3 +44,28 @@ class KeyLine(Footer):
 
 def _place_of(key: FooterKey) -> int:
     return _FIRST.index(key.action) if key.action in _FIRST else len(_FIRST)
+
+
+class SheetFoot(Static):
+    """What the keys of a sheet do, the most wanted first; parted by three spaces."""
+
+    _PARTED = "   "
+
+    def __init__(self, words: str) -> None:
+        super().__init__(markup=False)
+        self._words = words
+
+    def say(self, words: str) -> None:
+        """Say these words, as far as whole ones fit."""
+        self._words = words
+        self._fit()
+
+    def on_resize(self) -> None:
+        """Say as much as fits now."""
+        self._fit()
+
+    def _fit(self) -> None:
+        width, parts = self.content_size.width, self._words.split(self._PARTED)
+        while len(parts) > 1 and cell_len(self._PARTED.join(parts)) > width:
+            parts.pop()
+        self.update(self._PARTED.join(parts))

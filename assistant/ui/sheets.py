@@ -18,6 +18,7 @@ from assistant.keymap import ACTIONS
 from assistant.protocols import Kind
 from assistant.terminal import clean, clean_lines
 from assistant.ui.boxing import first_box, grown, moved, spanned
+from assistant.ui.footer import SheetFoot
 from assistant.ui.keys import closing
 from assistant.ui.panels import FloorView
 from assistant.ui.picture import PictureView, Shot, caption
@@ -32,8 +33,8 @@ if TYPE_CHECKING:
     from d3a.answer import Answer, RankedKeyframe
     from d3a.model import Box
 
-LOOKING = "Esc: back   arrows: others   c: crop   b or mouse: draw a box"
-BOXING = "arrows: move   shift+arrows or wasd: size   Enter: take it   Esc: leave it"
+LOOKING = "Esc: back   arrows: others   b: draw a box   c: crop   mouse: draw a box too"
+BOXING = "Enter: take it   Esc: leave it   arrows: move   shift+arrows or wasd: size"
 HELP = """Type a question in plain English, and Enter.
 
   Where are my keys?                    Where was the cup this morning?
@@ -90,7 +91,7 @@ class Sheet(Overlay):
         yield Static(self._title, id="sheet-title", markup=False)
         with VerticalScroll(id="sheet-scroll"):
             yield Static(clean_lines(self._text), id="sheet-text", markup=False)
-        yield Static("Esc: back   arrows, PgUp, PgDn: scroll", id="sheet-foot", markup=False)
+        yield SheetFoot("Esc: back   arrows, PgUp, PgDn: scroll")
 
     def on_mount(self) -> None:
         """Let the arrows scroll."""
@@ -147,7 +148,7 @@ class PictureSheet(Overlay):
         """Lay out a caption, the picture, and how to leave."""
         yield Static(id="sheet-title", markup=False)
         yield PictureView(kind=self._kind, whole=True, id="whole")
-        yield Static(LOOKING, id="sheet-foot", markup=False)
+        yield SheetFoot(LOOKING)
 
     def on_mount(self) -> None:
         """Show the picture that was asked for."""
@@ -180,7 +181,7 @@ class PictureSheet(Overlay):
         width = self.size.width - 2
         words = caption(self._shot, self._count, self._now, whole=whole, width=width)
         self.query_one("#sheet-title", Static).update(words)
-        self.query_one("#sheet-foot", Static).update(LOOKING if self._box is None else BOXING)
+        self.query_one(SheetFoot).say(LOOKING if self._box is None else BOXING)
 
     def action_box(self) -> None:
         """Draw a box around a thing, to say what it is."""
@@ -263,7 +264,7 @@ class FloorSheet(Overlay):
             for k in self._keyframes[:3]
         ]
         yield Static("\n".join(lines), id="floor-words", markup=False)
-        yield Static("Esc: back", id="sheet-foot", markup=False)
+        yield SheetFoot("Esc: back")
 
     def on_mount(self) -> None:
         """Draw the map."""
@@ -290,7 +291,7 @@ class LargeSheet(Overlay):
         """Lay out the sentences with air between them, the picture, three keys."""
         yield Static(large_text(self._answer), id="large-text", markup=False)
         yield PictureView(kind=self._kind, id="large-picture")
-        yield Static("Esc Back     F4 Speak     F6 Save", id="sheet-foot", markup=False)
+        yield SheetFoot("Esc: back   F4: speak   F6: save")
 
     def on_mount(self) -> None:
         """Show the best picture."""

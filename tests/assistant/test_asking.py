@@ -294,3 +294,17 @@ def test_no_list_stands_below_what_cannot_be_told() -> None:
     assert (answer.status, answer.unjudged) == ("found", ("in the garage",))
     assert answer.keyframes  # the record has them, with a lower score
     assert answer_lines(answer, NOW) == ["I cannot tell what is “in the garage” here."]
+
+
+class Unrevised(OracleStore):
+    """A store that is lost before it tells what it was last changed by."""
+
+    def revision(self) -> tuple[int, int] | None:
+        raise StoreUnreachable("mongodb://robot cannot be reached")
+
+
+def test_a_store_lost_before_the_first_look_is_an_answer() -> None:
+    query = FormalQuery("where is the cup?", "Q3", "where", (ObjectTerm("cup"),), select="last")
+    assert ask(Unrevised(), "where is the cup?", now=NOW).status == "error"
+    lost = ask_query(Unrevised(), query, now=NOW)
+    assert (lost.status, lost.query) == ("error", query)

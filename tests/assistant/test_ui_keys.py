@@ -11,7 +11,8 @@ from textual.widgets import Footer, Static
 from assistant import config
 from assistant.keymap import ACTIONS, KeysError, checked
 from assistant.speaking import Voice
-from assistant.ui.sheets import FloorSheet, LargeSheet, PictureSheet, Sheet
+from assistant.ui.footer import SheetFoot
+from assistant.ui.sheets import BOXING, LOOKING, FloorSheet, LargeSheet, PictureSheet, Sheet
 from tests.worlds import small_home
 from tests.worlds.running_chat import Chat, chat
 
@@ -130,12 +131,30 @@ def test_keys_come_from_a_settings_file(tmp_path: Path) -> None:
 async def test_the_footer_has_whole_keys_the_way_out_among_them(width: int) -> None:
     async with chat(size=(width, 20)) as c:
         footer = c.app.chat.query_one(Footer)
-        keys = [key for key in footer.children if key.display]
-        said = [str(key.render()) for key in keys]
-        assert {"f1 Help", "^q Quit"} <= set(said)
-        assert sum(len(each) + 1 for each in said) - 1 <= width
-        assert all(key.region.width >= len(each) for key, each in zip(keys, said, strict=True))
-        assert (len(keys) == 9) == (width >= 76)
+
+        def said() -> dict[str, int]:
+            keys = [key for key in footer.children if key.display]
+            return {str(key.render()): key.region.width for key in keys}
+
+        await c.until(lambda: all(said()) and all(w >= len(k) for k, w in said().items()))
+        await c.until(lambda: {"f1 Help", "^q Quit"} <= said().keys())
+        assert sum(len(each) + 1 for each in said()) - 1 <= width
+        assert (len(said()) == 9) == (width >= 76)
         await c.pilot.resize_terminal(160, 20)
-        await c.pilot.pause()
-        assert sum(key.display for key in footer.children) == 9
+        await c.until(lambda: sum(key.display for key in footer.children) == 9)
+
+
+@pytest.mark.parametrize("width", [40, 50, 60, 80])
+async def test_the_foot_of_a_sheet_says_whole_words(width: int) -> None:
+    async with chat(size=(width, 20)) as c:
+        await c.ask()
+        await c.pilot.press("f2")
+        foot = c.app.screen.query_one(SheetFoot)
+        await c.until(lambda: bool(foot.size.width))
+        for words in (LOOKING, BOXING):
+            said = str(foot.content)
+            assert len(said) <= width - 2
+            assert words.startswith(said)
+            assert words[len(said) :][:3] in ("", "   ")
+            await c.pilot.press("b")
+            await c.pilot.pause()

@@ -12,7 +12,7 @@ from assistant.session import Session, told
 from assistant.ui.commands import COMMANDS
 from assistant.ui.lists import KeyframeList, QuestionList
 from d3a.answer import Answer
-from d3a.store.base import RecordingRecord, StoreUnreachable, TaughtName
+from d3a.store.base import Batch, RecordingRecord, StoreUnreachable, TaughtName
 from tests.worlds import small_home
 from tests.worlds.oracle import OracleStore
 from tests.worlds.running_chat import Chat, chat
@@ -116,6 +116,10 @@ class Leaving(OracleStore):
     def recordings(self) -> list[RecordingRecord]:
         self._answer()
         return super().recordings()
+
+    def apply(self, batch: Batch) -> None:
+        self._answer()
+        super().apply(batch)
 
     def _answer(self) -> None:
         if not self.here:
