@@ -83,6 +83,11 @@ def plan_forgetting(store: Store, selection: Selection) -> ForgetPlan:
     """Find what a selection takes; nothing is written. Raises BadInput for no condition."""
     if selection.is_everything:
         raise BadInput("nothing says what to forget: name a thing, a place, a time or people")
+    with store.moment():
+        return _planned(store, selection)
+
+
+def _planned(store: Store, selection: Selection) -> ForgetPlan:
     expected = Expected(
         {key: store.meta(key) for key in (FORGOTTEN, HISTORY, SAID)}, tuple(store.recordings())
     )

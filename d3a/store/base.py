@@ -180,7 +180,10 @@ class Store(Protocol):
         ...
 
     def moment(self) -> AbstractContextManager[object]:
-        """Have all reads within see one moment, whatever others write; a server cannot."""
+        """Have all reads within see one moment; nothing is to be written.
+
+        A server can only keep the others from writing, and not for who opened it to read.
+        """
         ...
 
     # OIc

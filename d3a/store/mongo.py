@@ -135,8 +135,8 @@ class MongoStore(ByReading):
 
     # reading
     def moment(self) -> AbstractContextManager[object]:
-        """Return a context of no effect: reads see what others write meanwhile."""
-        return nullcontext()
+        """Keep other writers away; who only reads cannot, and sees what they write meanwhile."""
+        return nullcontext() if self._read_only else self.turn()
 
     def _find(self, name: str, find: Find) -> list[Document]:
         """Run one find; the observer is told of it, with the index of the winning plan."""

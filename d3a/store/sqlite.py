@@ -173,6 +173,9 @@ class SqliteStore:
     def moment(self) -> Iterator[None]:
         """Have all reads within see one moment; others may write meanwhile."""
         with self._lock, self._translated():
+            if self._db.in_transaction:
+                yield
+                return
             self._db.execute("BEGIN")
             try:
                 yield
