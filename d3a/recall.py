@@ -363,7 +363,8 @@ class Recall:
         own = record["recall"]
         self.outside, self._wanted = own["outside"], set(own["wanted"])
         things = list(self._memory.things.values())
-        for thing in things[len(things) - own["asleep"] :]:
+        asleep = own.get("asleep", 0)  # older checkpoints have none
+        for thing in things[len(things) - asleep :]:
             self._lay(thing)
 
 
