@@ -205,7 +205,7 @@ def ask_query(
             parameters=parameters,
             facts=facts,
         )
-        answer = _said(replace(answer, query=query), query, facts, now)
+        answer = _said(answer, query, facts, now)
     except StoreError as error:
         return replace(failure(query.text, error), query=query)
     answer = within(answer, limit)
@@ -213,13 +213,16 @@ def ask_query(
 
 
 def _said(answer: Answer, query: FormalQuery, facts: Facts, now: datetime) -> Answer:
-    """Return the answer with its sentence, and which of a place and a thing was meant."""
+    """Return the answer with its sentence, and which of a place and a thing was meant.
+
+    It is told of the query that was carried out, and bears the one that was asked.
+    """
     answer = without_itself(answer, query)
     parts = (sentence(answer, now=now), of_the_spot(query, facts))
     said = " ".join(part for part in parts if part)
     if facts.meta(FORGOTTEN):
         said = but_forgotten(said, answer)
-    return told_as_place(replace(answer, answer=said), query, facts)
+    return told_as_place(replace(answer, query=query, answer=said), query, facts)
 
 
 def explain(store: Store, text: str | FormalQuery, *, now: datetime) -> Explanation:
