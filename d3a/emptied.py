@@ -43,8 +43,9 @@ class Emptied:
             return None
         pipeline = dict(self.record["pipeline"])
         if "categories" in pipeline:
-            counts: dict[str, float] = pipeline["categories"]
-            pipeline["categories"] = {c: n for c, n in counts.items() if c not in gone_categories}
+            for counted in ("categories", "others"):
+                kinds = pipeline[counted]
+                pipeline[counted] = {c: n for c, n in kinds.items() if c not in gone_categories}
         if "compared" in pipeline:
             kept = [number for number in pipeline["compared"] if f"o{number}" not in gone_ids]
             pipeline["compared"] = kept

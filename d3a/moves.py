@@ -56,8 +56,8 @@ class Moves:
         self._space = space
         self._looks = looks
         self._parameters = parameters
-        self.others: Floats = _assumed()
-        """(BINS,): how often two different things of a category were so much alike."""
+        self.others: dict[str, list[float]] = {}
+        """By category (BINS,): how often two different things of it were so much alike."""
         self.compared: set[int] = set()
         """Numbers of the things that `others` has learned from."""
 
@@ -83,7 +83,7 @@ class Moves:
                 and (new.number in changed or old.number in changed)
             ]
             if pairs:
-                links += self._links(pairs, fresh[kind], left, self._densities())
+                links += self._links(pairs, fresh[kind], left, self._densities(kind))
         return sorted(links, key=lambda link: (link.new.number, link.old.number))
 
     def _alike(self, changed: set[int]) -> dict[str, list[Known]]:
@@ -147,8 +147,9 @@ class Moves:
                 and other is not new
             ]
             if others:
+                counts = self.others.setdefault(new.category, [0.0] * BINS)
                 for likeness in self._likeness(new, others):
-                    self.others[_bin(likeness)] += 1.0
+                    counts[_bin(likeness)] += 1.0
 
     def _odds(self, pairs: list[Pair], density: list[float]) -> list[float]:
         """Return the log-odds (n,) that `new` is `old`, which was last seen at `place`.
@@ -172,12 +173,22 @@ class Moves:
             odds.append(look + left + parameters.move_odds if is_alike else -math.inf)
         return odds
 
-    def _densities(self) -> list[float]:
-        """Return how dense different things lie at likenesses (BINS,), from there up, smoothed."""
-        above = self.others[::-1].cumsum()[::-1]
+    def _densities(self, kind: str) -> list[float]:
+        """Return how dense different things of a category lie at likenesses (BINS,).
+
+        From there up, smoothed. Chairs of a set look alike, and say little of the cups: what is
+        usual is told by all categories, each by `OTHER_PRIOR` pairs at most, and is worth as many
+        against the category's own.
+        """
+        usual = _assumed()
+        for category in sorted(self.others):
+            counts = np.array(self.others[category])
+            usual += counts * min(1.0, OTHER_PRIOR / max(float(counts.sum()), 1.0))
+        pairs = usual * (OTHER_PRIOR / usual.sum()) + np.array(self.others.get(kind, 0.0))
+        above = pairs[::-1].cumsum()[::-1]
         first = np.maximum(np.arange(BINS) - 1, 0)
-        densities: list[float] = (above[first] / above[0] / ((BINS - first) * 2 / BINS)).tolist()
-        return densities
+        density: list[float] = (above[first] / above[0] / ((BINS - first) * 2 / BINS)).tolist()
+        return density
 
 
 def _assumed() -> Floats:

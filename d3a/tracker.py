@@ -318,7 +318,6 @@ class TrackerPipeline:
         arrays["look_counts"] = self._matcher.space.counts
         arrays["doubts"] = self._doubts.counts
         arrays["look_scale"] = self._matcher.space.scale
-        arrays["others"] = self._moves.others
         arrays["residuals"] = self._matcher.residuals
         arrays["doubt"] = np.array(self._categories.doubt)
         arrays["neighbours"] = self._matcher.neighbours.pairs
@@ -329,6 +328,7 @@ class TrackerPipeline:
             "scaled_at": self._matcher.space.scaled_at,
             "categories": dict(self._categories.counts),
             "compared": sorted(self._moves.compared),
+            "others": self._moves.others,
             "offset": self._matcher.offset.to_state(),
             "absence": self._absence.to_state(),
             "encounters": self._encounters.to_state(),
@@ -348,7 +348,9 @@ class TrackerPipeline:
         self._matcher.space.scaled_at = record["scaled_at"]
         self._doubts.counts = np.array(arrays["doubts"])
         self._now_ms = record["now_ms"]
-        self._moves.others = np.array(arrays["others"])
+        self._moves.others = {
+            kind: list(counts) for kind, counts in record.get("others", {}).items()
+        }
         self._moves.compared = set(record["compared"])
         self._categories.doubt = (float(arrays["doubt"][0]), float(arrays["doubt"][1]))
         self._matcher.neighbours.pairs = np.array(arrays["neighbours"])
