@@ -20,26 +20,19 @@ Floats = NDArray[np.float64]
 Features = NDArray[np.float32]
 
 
-def position_ratio(
-    squared: Floats, determinant: Floats, space_m3: Floats | float, parameters: Parameters
-) -> Floats:
-    """Return the evidence of place from squared Mahalanobis distance and |S|, m^6, alike shaped.
-
-    Student's t, for outliers, against "one other thing in each `space_m3`". Where the position
-    could be nearly anywhere itself (S as large as that space) its peak says nothing, and only the
-    distance counts: so the gates follow the covariance, and look and category decide where
-    positions are useless.
-    """
-    return np.asarray(position_ratios(squared, determinant, (space_m3,), parameters)[0])
-
-
 def position_ratios(
     squared: Floats,
     determinant: Floats,
     spaces_m3: Sequence[Floats | float],
     parameters: Parameters,
 ) -> Floats:
-    """Return what `position_ratio` does for each of some spaces, (spaces, ...)."""
+    """Return the evidence of place from squared Mahalanobis distance and |S|, m^6, alike shaped.
+
+    Student's t, for outliers, against "one other thing in each" of some spaces: (spaces, ...).
+    Where the position could be nearly anywhere itself (S as large as that space) its peak says
+    nothing, and only the distance counts: so the gates follow the covariance, and look and
+    category decide where positions are useless.
+    """
     dof = parameters.outlier_dof
     tail = -(dof + 3) / 2 * np.log1p(squared / dof)
     volume = np.sqrt(np.maximum(determinant, 1e-18)) * (2 * math.pi) ** 1.5
@@ -112,15 +105,11 @@ class LookModel:
         row[1] += delta / row[0]
         row[2] += delta * (likeness - row[1])
 
-    def ratios(self, likeness: Floats, views: Floats, kind: int = OTHER) -> Floats:
-        """Return the evidence (n, m) for SAME against `kind`.
+    def against(self, likeness: Floats, views: Floats, kinds: Sequence[int]) -> Floats:
+        """Return the evidence (kinds, n, m) for SAME against each of some kinds.
 
         likeness: cosines (n, m) with looks of so many views (m,).
         """
-        return np.asarray(self.against(likeness, views, (kind,))[0])
-
-    def against(self, likeness: Floats, views: Floats, kinds: Sequence[int]) -> Floats:
-        """Return what `ratios` does for each of some kinds, (kinds, n, m)."""
         bins = _LOOK_BINS.searchsorted(views, side="right")
         slope, even = np.array(self._lines(kinds)).take(bins, axis=2)[:, :, None]
         raw = slope * (likeness - even)
@@ -178,12 +167,6 @@ class CategoryModel:
         summed, number = self.doubt
         self.doubt = summed + (1.0 - probability), number + 1.0
 
-    def frequency(self, category: str) -> float:
-        """Return the share of detections with this category, smoothed; never 0."""
-        prior, kinds = self.parameters.category_prior, self.parameters.category_kinds
-        total = self.counts.total() + prior * kinds
-        return (self.counts[category] + prior) / total
-
     def wrong(self, probability: float) -> float:
         """Return the chance that a label of this probability is wrong.
 
@@ -194,21 +177,16 @@ class CategoryModel:
         share = self.parameters.confusion * (1.0 - probability + DOUBT_LEAST) / usual
         return min(WRONG_MOST, max(WRONG_LEAST, share))
 
-    def ratios(
-        self, names: Sequence[tuple[str, float]], votes: Sequence[Mapping[str, float]]
-    ) -> tuple[Floats, Floats]:
-        """Return the evidence of each name for each thing, (n, m), in two parts.
-
-        names: category and probability. First, that the thing is of this category; then, that it
-        is of another and was named wrongly, by a name drawn by frequency. The parts exclude each
-        other, so their evidence with all else that depends on them adds up as odds.
-        """
-        return self.evidence(names, [shares(each) for each in votes])
-
     def evidence(
         self, names: Sequence[tuple[str, float]], kinds: Sequence[Mapping[str, float]]
     ) -> tuple[Floats, Floats]:
-        """Return what `ratios` does, of things that are of each category with these shares."""
+        """Return the evidence of each name for each thing, (n, m), in two parts.
+
+        names: category and probability. kinds: how likely each thing is of each category, see
+        `shares`. First, that the thing is of this category; then, that it is of another and was
+        named wrongly, by a name drawn by frequency. The parts exclude each other, so their
+        evidence with all else that depends on them adds up as odds.
+        """
         prior = self.parameters.category_prior
         total = self.counts.total() + prior * self.parameters.category_kinds
         common = [(self.counts[category] + prior) / total for category, _ in names]
@@ -227,17 +205,10 @@ class CategoryModel:
         return parts[0], parts[1]
 
 
-def mahalanobis(residuals: Floats, covariances: Floats) -> tuple[Floats, Floats]:
-    """Return the squared distances and determinants for residuals (..., 3) and S (..., 3, 3)."""
-    shape = residuals.shape[:-1]
-    numbers = covariances.reshape(-1, 9).T[UPPER]
-    squared, determinant = squared_distances(residuals.reshape(-1, 3).T, numbers)
-    return squared.reshape(shape), determinant.reshape(shape)
-
-
 def squared_distances(residuals: Floats, numbers: Floats) -> tuple[Floats, Floats]:
-    """Return what `mahalanobis` does, (k,) each, of residuals (3, k) and xx xy xz yy yz zz (6, k).
+    """Return the squared Mahalanobis distances and |S|, (k,) each.
 
+    residuals: (3, k). numbers: xx xy xz yy yz zz of each S, (6, k).
     By the adjugate: NumPy's general inverse costs ten times as much on so many so small matrices.
     The six numbers of a symmetric matrix are rows of one array, as calls cost more than numbers.
     """

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
 from d3a import likelihood
-from d3a.likelihood import BESIDE, OTHER, SAME, CategoryModel, LookModel
+from d3a.likelihood import BESIDE, OTHER, SAME, UPPER, CategoryModel, LookModel, shares
 from d3a.look_space import LookSpace
 from d3a.neighbours import Neighbours
 from d3a.parameters import DEFAULT
@@ -19,7 +19,8 @@ SPACE = DEFAULT.space_m3
 
 def test_a_position_that_could_be_anywhere_says_nothing_for() -> None:
     squared = np.array([0.0, 0.0])
-    sharp, vague = likelihood.position_ratio(squared, np.array([1e-6, 1e9]), SPACE, DEFAULT)
+    determinant = np.array([1e-6, 1e9])
+    sharp, vague = likelihood.position_ratios(squared, determinant, (SPACE,), DEFAULT)[0]
     assert sharp > 3
     assert vague == 0.0
 
@@ -27,7 +28,8 @@ def test_a_position_that_could_be_anywhere_says_nothing_for() -> None:
 @given(st.floats(0, 1e4), st.floats(0, 1e4), st.floats(1e-9, 1e6))
 def test_the_evidence_of_place_falls_with_the_distance(a: float, b: float, volume: float) -> None:
     near, far = sorted((a, b))
-    ratios = likelihood.position_ratio(np.array([near, far]), np.full(2, volume), SPACE, DEFAULT)
+    squared, determinant = np.array([near, far]), np.full(2, volume)
+    ratios = likelihood.position_ratios(squared, determinant, (SPACE,), DEFAULT)[0]
     assert ratios[0] >= ratios[1]
 
 
@@ -36,7 +38,9 @@ def test_the_adjugate_is_the_inverse() -> None:
     half = rng.normal(size=(7, 3, 3))
     matrices = half @ half.transpose(0, 2, 1) + 0.1 * np.eye(3)
     residuals = rng.normal(size=(7, 3))
-    squared, determinant = likelihood.mahalanobis(residuals, matrices)
+    squared, determinant = likelihood.squared_distances(
+        residuals.T, matrices.reshape(-1, 9).T[UPPER]
+    )
     wanted = np.einsum("ni,nij,nj->n", residuals, np.linalg.inv(matrices), residuals)
     assert np.allclose(squared, wanted)
     assert np.allclose(determinant, np.linalg.det(matrices))
@@ -44,16 +48,16 @@ def test_the_adjugate_is_the_inverse() -> None:
 
 def test_the_look_model_learns_what_alike_means() -> None:
     model = LookModel(DEFAULT)
-    before = model.ratios(np.array([[0.65]]), np.array([20.0]))[0, 0]
+    before = model.against(np.array([[0.65]]), np.array([20.0]), (OTHER,))[0, 0, 0]
     rng = np.random.default_rng(2)
     for _ in range(500):
         model.add(SAME, float(rng.normal(0.95, 0.02)), 20.0)
         model.add(OTHER, float(rng.normal(0.7, 0.05)), 20.0)
-    after = model.ratios(np.array([[0.65, 0.96]]), np.array([20.0, 20.0]))[0]
+    after = model.against(np.array([[0.65, 0.96]]), np.array([20.0, 20.0]), (OTHER,))[0, 0]
     assert before > -1
     assert after[0] < -5
     assert after[1] > 1
-    untouched = model.ratios(np.array([[0.65]]), np.array([1.0]))[0, 0]
+    untouched = model.against(np.array([[0.65]]), np.array([1.0]), (OTHER,))[0, 0, 0]
     assert untouched == pytest.approx(before)
 
 
@@ -64,7 +68,8 @@ def test_a_look_shared_by_what_stands_beside_says_little_for_a_wrong_name() -> N
         model.add(OTHER, 0.3, 20.0)
         model.add(BESIDE, 0.85, 20.0)
     alike, views = np.array([[0.9]]), np.array([20.0])
-    assert model.ratios(alike, views, BESIDE)[0, 0] < model.ratios(alike, views, OTHER)[0, 0]
+    beside, other = model.against(alike, views, (BESIDE, OTHER))[:, 0, 0]
+    assert beside < other
 
 
 def test_looks_that_tell_nothing_apart_weigh_nothing() -> None:
@@ -72,7 +77,7 @@ def test_looks_that_tell_nothing_apart_weigh_nothing() -> None:
     for _ in range(1000):
         model.add(SAME, 0.5, 1.0)
         model.add(OTHER, 0.6, 1.0)
-    assert abs(model.ratios(np.array([[0.9]]), np.array([1.0]))[0, 0]) < 0.2
+    assert abs(model.against(np.array([[0.9]]), np.array([1.0]), (OTHER,))[0, 0, 0]) < 0.2
 
 
 def test_a_rare_category_is_better_evidence_than_a_common_one() -> None:
@@ -80,7 +85,7 @@ def test_a_rare_category_is_better_evidence_than_a_common_one() -> None:
     for name in ["cup"] * 50 + ["kettle"] * 2:
         model.add(name, 0.9)
     names = [("cup", 0.9), ("kettle", 0.9)]
-    agreed, differing = model.ratios(names, [{"cup": 3.0}, {"kettle": 3.0}])
+    agreed, differing = model.evidence(names, [shares({"cup": 3.0}), shares({"kettle": 3.0})])
     assert agreed[1, 1] > agreed[0, 0] > 0
     assert differing[0, 1] < 0
     assert differing[1, 0] < 0
