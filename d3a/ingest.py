@@ -338,13 +338,9 @@ class _Run:
             associator.checkpoint(self._left_out or self._reader.skipped, done=done)
 
     def _summary(self, associator: Associator, had_frames: int) -> IngestSummary:
-        skipped = Skipped(dict(self._reader.skipped.counts), dict(self._reader.skipped.examples))
-        for reason, count in associator.skipped.counts.items():
-            skipped.counts[reason] = skipped.counts.get(reason, 0) + count
-            examples = skipped.examples.get(reason, []) + associator.skipped.examples.get(
-                reason, []
-            )
-            skipped.examples[reason] = examples[:3]
+        skipped = Skipped()
+        skipped.join(self._reader.skipped)
+        skipped.join(associator.skipped)
         counts = self._store.counts()
         return IngestSummary(
             frames=self._frames,
