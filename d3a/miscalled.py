@@ -31,17 +31,11 @@ def without_miscalled(run: Run, moments: list[Moment]) -> list[Moment]:
     What is miscalled leaves the variables of the run, too. It reads where the things lie and what
     lies around them. Raises StoreError.
     """
-    standing = list(run.standing(moments))
-    seldom = [{entry.sighting.object_id for entry in _seldom(moment)} for moment in standing]
-    asked = sorted(set().union(*seldom))
-    if not all(seldom) or not asked or len(asked) > MOST_ASKED:
+    seldom = [_seldom(moment) for moment in run.standing(moments)]
+    records = {e.sighting.object_id: e.candidate.record for entries in seldom for e in entries}
+    if not all(seldom) or not records or len(records) > MOST_ASKED:
         return moments
-    records = {
-        entry.sighting.object_id: entry.candidate.record
-        for moment in standing
-        for entry in _seldom(moment)
-    }
-    wrong = {name for name in asked if _is_miscalled(run, records[name])}
+    wrong = {name for name in sorted(records) if _is_miscalled(run, records[name])}
     for found in run.found.values():
         found.candidates = {n: c for n, c in found.candidates.items() if n not in wrong}
         found.sightings = [s for s in found.sightings if s.object_id not in wrong]
