@@ -9,7 +9,7 @@ from datetime import datetime
 from d3a.answer import Answer, RankedKeyframe
 from d3a.distinct import least_number
 from d3a.model import Json
-from d3a.moments import Entry, Moment, total_ms
+from d3a.moments import Entry, total_ms
 from d3a.rank import Ranked, entry_score
 from d3a.run import Run, milliseconds
 from d3a.store.base import Sighting
@@ -50,7 +50,7 @@ def _keyframes(run: Run, limit: int) -> tuple[list[RankedKeyframe], bool]:
             break
         number = group if len(entries) > 1 else None
         for entry, why in zip(entries, one.why, strict=True):
-            out.append(keyframe(run, one.moment, entry, len(out) + 1, one.score, why, group=number))
+            out.append(keyframe(run, entry, len(out) + 1, one.score, why, group=number))
     kept = _whole_moments(out, limit)
     return kept, len(kept) < sum(len(one.moment.entries) for one in run.ranked)
 
@@ -78,7 +78,6 @@ def _whole_moments(keyframes: Sequence[RankedKeyframe], limit: int) -> list[Rank
 
 def keyframe(
     run: Run,
-    moment: Moment,
     entry: Entry,
     rank: int,
     score: float,
@@ -125,7 +124,7 @@ def _otherwise(run: Run) -> RankedKeyframe | None:
     score, why = entry_score(entry)
     if run.refused:
         why["refused"] = list(run.refused)
-    return keyframe(run, run.otherwise, entry, 1, min(1.0, score), why)
+    return keyframe(run, entry, 1, min(1.0, score), why)
 
 
 def _least(run: Run) -> int:
