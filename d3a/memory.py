@@ -236,12 +236,10 @@ class Looks:
 
     def unit(self, thing: Known, space: LookSpace) -> NDArray[np.float32]:
         """Return what `space.of` makes of the feature of a thing (d,), until the next change."""
-        if self._is_old(space) or self._stale[thing.row]:
+        self._keep_up(space)
+        if self._stale[thing.row]:
             return np.asarray(self.units([thing], space)[0])
         return np.asarray(self._units[thing.row])
-
-    def _is_old(self, space: LookSpace) -> bool:
-        return self._units.shape != self._matrix.shape or space.ready() != self._version
 
     def units(self, things: list[Known], space: LookSpace) -> NDArray[np.float32]:
         """Return what `space.of` makes of the features of some things (m, d), in their order."""
@@ -255,6 +253,12 @@ class Looks:
         self, things: list[Known], space: LookSpace
     ) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
         """Return the rows of some things, and those of them whose units are not up to date."""
+        self._keep_up(space)
+        rows = np.array([thing.row for thing in things], dtype=np.intp)
+        return rows, rows[self._stale[rows]]
+
+    def _keep_up(self, space: LookSpace) -> None:
+        """Let all units count as stale where the space or the matrix is another one by now."""
         if self._units.shape != self._matrix.shape:
             self._units = np.zeros_like(self._matrix)
             self._stale = np.ones(len(self._matrix), dtype=bool)
@@ -262,8 +266,6 @@ class Looks:
         if version != self._version:
             self._version = version
             self._stale[:] = True
-        rows = np.array([thing.row for thing in things], dtype=np.intp)
-        return rows, rows[self._stale[rows]]
 
     def row(self, thing: Known) -> NDArray[np.float32]:
         """Return the feature of a thing (d,), as it is until the next change."""
