@@ -7,11 +7,11 @@ from __future__ import annotations
 
 import weakref
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from operator import is_not
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -49,6 +49,7 @@ PALETTE_OBJECTS = 1_000
 """What boxes hold together is told by so many of them as well as by all."""
 FEW_OBJECTS = 2_000
 """In a home of so few objects, what is large is looked for under every category."""
+_Seen = TypeVar("_Seen", Sighting, StayRecord)
 _Asked = tuple[tuple[str, ...] | None, bool]
 _Meant = tuple[FindObjects, tuple[tuple[str, float], ...], float]
 
@@ -95,6 +96,14 @@ def forget() -> None:
     """Forget what was read of any store: to measure a question that reads everything anew."""
     _known.cache_clear()
     _learned.cache_clear()
+
+
+def _by_object(ids: Sequence[str], records: Iterable[_Seen]) -> dict[str, list[_Seen]]:
+    """Return the records of each of these objects, also of those that have none."""
+    found: dict[str, list[_Seen]] = {name: [] for name in ids}
+    for record in records:
+        found[record.object_id].append(record)
+    return found
 
 
 class Facts:
@@ -184,9 +193,7 @@ class Facts:
         """Return where the objects lay, by (object_id, place)."""
         known = self._known.stays
         unknown = [name for name in ids if name not in known]
-        read: dict[str, list[StayRecord]] = {name: [] for name in unknown}
-        for stay in self.store.stays(object_ids=unknown) if unknown else ():
-            read[stay.object_id].append(stay)
+        read = _by_object(unknown, self.store.stays(object_ids=unknown) if unknown else ())
         found = {s.key: s for name in ids for s in (read[name] if name in read else known[name])}
         if self._known.keeps("stays", sum(map(len, read.values())), MOST_KEPT):
             known |= read
@@ -257,10 +264,7 @@ class Facts:
         """Keep the sightings of objects, all that there are; False where there is no room."""
         room = self._known.keeps("sightings", len(found), MOST_SIGHTINGS)
         if room:
-            fresh: dict[str, list[Sighting]] = {name: [] for name in ids}
-            for sighting in found:
-                fresh[sighting.object_id].append(sighting)
-            self._known.sightings |= fresh
+            self._known.sightings |= _by_object(ids, found)
         return room
 
     def sightings(
@@ -277,9 +281,7 @@ class Facts:
             read = self.store.sightings(object_ids=ids, start_ms=start_ms, end_ms=last)
             return [s for s in joined(read) if in_slice(s, start_ms, end_ms)]
         unknown = [name for name in ids if name not in known]
-        fresh: dict[str, list[Sighting]] = {name: [] for name in unknown}
-        for sighting in self.store.sightings(object_ids=unknown) if unknown else ():
-            fresh[sighting.object_id].append(sighting)
+        fresh = _by_object(unknown, self.store.sightings(object_ids=unknown) if unknown else ())
         parts = (fresh[name] if name in fresh else known[name] for name in ids)
         found = joined(s for part in parts for s in part if in_slice(s, start_ms, end_ms))
         if self._known.keeps("sightings", sum(map(len, fresh.values())), MOST_SIGHTINGS):
