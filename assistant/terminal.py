@@ -13,6 +13,8 @@ import unicodedata
 from collections.abc import Mapping
 from typing import Any, TextIO
 
+import click
+
 _SPACES = {"\n", "\r", "\t", "\v", "\f", "\x85", "\u2028", "\u2029"}
 _HIDDEN = {"Cc", "Cf", "Cs", "Co", "Cn"}
 _JOINERS = {"\u200c", "\u200d"}  # needed inside words of several scripts and in emoji
@@ -52,6 +54,11 @@ def json_line(record: Mapping[str, Any], *, ascii_only: bool = False) -> str:
         f"\\u{ord(char):04x}" if "\x7f" <= char <= "\x9f" or char in "\u2028\u2029" else char
         for char in line
     )
+
+
+def emit(record: Mapping[str, Any]) -> None:
+    """Print a record as a line of JSON."""
+    click.echo(json_line(record, ascii_only=not speaks_unicode(sys.stdout)))
 
 
 def speaks_unicode(stream: TextIO) -> bool:

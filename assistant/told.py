@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable
 from datetime import UTC, datetime, timedelta, tzinfo
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
 from assistant.exits import ExitCode
 from assistant.options import Failure, now_of, opened, settings_of, zone_for
-from assistant.terminal import clean, json_line, speaks_unicode
+from assistant.terminal import clean, emit
 
 if TYPE_CHECKING:
     from d3a.constraints import Correction
@@ -81,11 +80,6 @@ def refusal(message: str, status: ExitCode, suggestions: tuple[str, ...], as_jso
         name = "unknown" if status == ExitCode.NOTHING else "refused"
         emit({"schema": SCHEMA, "error": name, "message": message, "suggestions": [*suggestions]})
     return Failure(message, status)
-
-
-def emit(record: dict[str, Any]) -> None:
-    """Print a record as a line of JSON."""
-    click.echo(json_line(record, ascii_only=not speaks_unicode(sys.stdout)))
 
 
 def sentence_of(correction: Correction) -> str:

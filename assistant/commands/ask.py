@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -17,7 +16,7 @@ from assistant.options import (
     settings_options,
     store_name,
 )
-from assistant.terminal import clean_lines, json_line, speaks_unicode, well_formed
+from assistant.terminal import clean_lines, emit, well_formed
 
 if TYPE_CHECKING:
     from d3a.answer import Answer
@@ -62,7 +61,7 @@ def command(
             now = now_of(settings, store)
             answer = ask(store, text, now=now, limit=limit, precision=precision)
             if as_json:
-                _print(answer)
+                emit(answer.to_json())
             else:
                 from assistant.wording import answer_lines
 
@@ -76,16 +75,12 @@ def command(
         if as_json and failure.exit_code == ExitCode.STORE:
             from assistant.batch import failed
 
-            _print(failed(text, failure.format_message()))
+            emit(failed(text, failure.format_message()).to_json())
         raise
     status = OF_STATUS[answer.status]
     if status in (ExitCode.NOTHING, ExitCode.STORE) and not settings.quiet:
         click.echo(f"store: {store_name(settings)}", err=True)
     context.exit(status)
-
-
-def _print(answer: Answer) -> None:
-    click.echo(json_line(answer.to_json(), ascii_only=not speaks_unicode(sys.stdout)))
 
 
 def _save(store: Store, answer: Answer, folder: Path, *, quiet: bool) -> None:

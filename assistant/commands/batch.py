@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from typing import IO, TYPE_CHECKING
 
 import click
@@ -15,7 +14,7 @@ from assistant.options import (
     settings_of,
     settings_options,
 )
-from assistant.terminal import json_line, speaks_unicode
+from assistant.terminal import emit
 
 if TYPE_CHECKING:
     from d3a.answer import Answer
@@ -38,13 +37,12 @@ def command(context: click.Context, questions: IO[str], limit: int) -> None:
     settings = settings_of(context)
     from assistant.batch import failed, run
 
-    ascii_only = not speaks_unicode(sys.stdout)
     failed_any = False
 
     def write(answer: Answer) -> None:
         nonlocal failed_any
         failed_any = failed_any or answer.status == "error"
-        click.echo(json_line(answer.to_json(), ascii_only=ascii_only))
+        emit(answer.to_json())
 
     try:
         with opened(settings) as store:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from dataclasses import fields
 from pathlib import Path
 
@@ -11,7 +10,7 @@ import click
 from assistant.config import FILE, HIDDEN, Settings, user_file
 from assistant.exits import ExitCode
 from assistant.options import Failure, settings_of, settings_options, store_name
-from assistant.terminal import clean, json_line, speaks_unicode
+from assistant.terminal import clean, emit
 
 SAMPLE = """\
 # Settings of d3a. Stronger, in this order: ./d3a.toml, the environment (D3A_STORE ...), flags.
@@ -42,7 +41,7 @@ def show(context: click.Context, as_json: bool) -> None:
     record["store"] = store_name(settings)
     if as_json:
         record = {"schema": 1, **record}
-        click.echo(json_line(record, ascii_only=not speaks_unicode(sys.stdout)))
+        emit(record)
         return
     record["keys"] = ", ".join(f"{k}: {v}" for k, v in settings.keys.items()) or None
     for name, value in record.items():
@@ -56,7 +55,7 @@ def path(as_json: bool) -> None:
     for file in (user_file(), Path(FILE).absolute()):
         if as_json:
             record = {"schema": 1, "path": str(file), "exists": file.exists()}
-            click.echo(json_line(record, ascii_only=not speaks_unicode(sys.stdout)))
+            emit(record)
             continue
         click.echo(f"{file}{'' if file.exists() else ' (does not exist)'}")
 

@@ -11,7 +11,7 @@ from assistant.commands.chat import hold, session_of
 from assistant.options import failures, opened, settings_of, settings_options
 from assistant.serving import serve as serve_chat
 from assistant.serving import serving_options
-from assistant.terminal import clean_lines, is_terminal, json_line, speaks_unicode
+from assistant.terminal import clean_lines, emit, is_terminal
 
 
 @click.command("demo")
@@ -49,9 +49,8 @@ def command(
             nobody = not (is_terminal(sys.stdin) and is_terminal(sys.stdout))
             if tour or (nobody and not plain and not served):
                 if as_json:
-                    ascii_only = not speaks_unicode(sys.stdout)
                     for record in tour_records(session):
-                        click.echo(json_line(record, ascii_only=ascii_only))
+                        emit(record)
                     return
                 if not tour:
                     hint = "no terminal: the tour. With --plain it takes questions, a line each."

@@ -23,7 +23,7 @@ from assistant.options import (
     zone_if_said,
 )
 from assistant.protocols import choose
-from assistant.terminal import clean, json_line, speaks_unicode, why_not_full_screen
+from assistant.terminal import clean, emit, why_not_full_screen
 
 SCHEMA = 1
 LIBRARIES = ("numpy", "lark", "rapidfuzz", "textual", "rich", "pillow", "pymongo", "scikit-learn")
@@ -77,7 +77,7 @@ def command(
         "versions": dict(versions()),
     }
     if as_json:
-        click.echo(json_line(record, ascii_only=not speaks_unicode(sys.stdout)))
+        emit(record)
     else:
         for line in lines(record):
             click.echo(clean(line))
@@ -106,7 +106,7 @@ def examine(
     if as_json:
         record = {"schema": SCHEMA, "source": str(source), "format": name, "ready": is_ready}
         record |= survey.to_json(found)
-        click.echo(json_line(record, ascii_only=not speaks_unicode(sys.stdout)))
+        emit(record)
     else:
         for line in survey_report.lines(found, str(source), name):
             click.echo(clean(line))

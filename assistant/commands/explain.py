@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import sys
-
 import click
 
 from assistant.exits import ExitCode
 from assistant.options import Failure, now_of, opened, settings_of, settings_options
-from assistant.terminal import clean_lines, json_line, speaks_unicode, well_formed
+from assistant.terminal import clean_lines, emit, well_formed
 
 SCHEMA = 1
 
@@ -31,11 +29,11 @@ def command(context: click.Context, question: tuple[str, ...], as_json: bool) ->
         except QuestionError as error:
             if as_json:
                 record = {"schema": SCHEMA, **error.to_json()}
-                click.echo(json_line(record, ascii_only=not speaks_unicode(sys.stdout)))
+                emit(record)
                 context.exit(ExitCode.QUESTION)
             raise Failure(str(error), ExitCode.QUESTION) from error
     if as_json:
         record = {"schema": SCHEMA, **explanation.to_json()}
-        click.echo(json_line(record, ascii_only=not speaks_unicode(sys.stdout)))
+        emit(record)
     else:
         click.echo(clean_lines(explanation.to_text()))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 
 import click
@@ -10,7 +9,7 @@ import click
 from assistant import completing
 from assistant.exits import ExitCode
 from assistant.options import Failure, now_of, opened, settings_of, settings_options, zone_for
-from assistant.terminal import clean, json_line, speaks_unicode
+from assistant.terminal import clean, emit
 
 SCHEMA = 1
 
@@ -60,7 +59,7 @@ def command(
             raise Failure(f"{out} cannot be written: {error.strerror}", ExitCode.USAGE) from error
     record = {"schema": SCHEMA, "format": format_name, **written.to_json()}
     if as_json:
-        click.echo(json_line(record, ascii_only=not speaks_unicode(sys.stdout)))
+        emit(record)
         return
     names = ("objects", "places", "intervals", "pictures")
     counted = ", ".join(f"{record[name]} {name}" for name in names)

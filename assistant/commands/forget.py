@@ -11,7 +11,7 @@ from assistant import completing
 from assistant.config import Settings
 from assistant.exits import ExitCode
 from assistant.options import Failure, now_of, opened, settings_of, settings_options, store_name
-from assistant.terminal import is_terminal, json_line, speaks_unicode
+from assistant.terminal import emit, is_terminal
 
 if TYPE_CHECKING:
     from datetime import datetime
@@ -189,7 +189,7 @@ def _tell(
         record: dict[str, object] = {"schema": SCHEMA, "dry_run": dry_run, "scrubbed": scrubbed}
         record |= {"retain": retain} if retain is not None else {}
         record |= NOTHING if plan is None else plan.to_json()
-        click.echo(json_line(record, ascii_only=not speaks_unicode(sys.stdout)))
+        emit(record)
     else:
         if retain is not None:
             said = "everything" if retain.lower() == "off" else f"what is not older than {retain}"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -24,7 +23,7 @@ from assistant.options import (
     store_name,
 )
 from assistant.taking_in import Wanted, intake_options
-from assistant.terminal import clean, json_line, speaks_unicode
+from assistant.terminal import clean, emit
 
 if TYPE_CHECKING:
     from d3a.detectors.base import Detector
@@ -171,7 +170,7 @@ class _Run:
         if self._as_json:
             record = {"schema": SCHEMA, "store": mask(self._settings.store_uri)}
             record |= {"recordings": records, "failed": self.failed}
-            click.echo(json_line(record, ascii_only=not speaks_unicode(sys.stdout)))
+            emit(record)
         elif not self._settings.quiet:
             click.echo(f"store: {store_name(self._settings)}", err=True)
 

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Iterator, Sequence
-from datetime import UTC, datetime, timedelta, tzinfo
+from datetime import tzinfo
 from typing import TYPE_CHECKING
 
 import click
@@ -12,7 +11,8 @@ import click
 from assistant import completing
 from assistant.exits import ExitCode
 from assistant.options import opened, settings_of, settings_options, store_name, zone_for
-from assistant.terminal import json_line, speaks_unicode, table
+from assistant.terminal import emit, table
+from assistant.told import when
 
 if TYPE_CHECKING:
     from d3a.model import Json
@@ -44,7 +44,7 @@ def command(context: click.Context, as_json: bool, categories: tuple[str, ...]) 
         context.exit(ExitCode.NOTHING)
     if as_json:
         for record in records:
-            click.echo(json_line(record, ascii_only=not speaks_unicode(sys.stdout)))
+            emit(record)
         return
     rows = [["id", "category", "names", "colours", "weight", "places", "first seen", "last seen"]]
     rows += [_row(record) for record in records]
@@ -96,10 +96,6 @@ def colour_words(store: Store, things: Sequence[ObjectRecord]) -> dict[str, list
 
 
 def _record(thing: ObjectRecord, stays: list[StayRecord], colours: list[str], zone: tzinfo) -> Json:
-    def when(milliseconds: int) -> str:
-        moment = datetime(1970, 1, 1, tzinfo=UTC) + timedelta(milliseconds=milliseconds)
-        return moment.astimezone(zone).isoformat(timespec="seconds")
-
     return {
         "schema": SCHEMA,
         "object_id": thing.object_id,
@@ -114,13 +110,13 @@ def _record(thing: ObjectRecord, stays: list[StayRecord], colours: list[str], zo
                 "place": stay.place,
                 "position": None if stay.position is None else [round(v, 3) for v in stay.position],
                 "seen": stay.seen,
-                "first": when(stay.first_ms),
-                "last": when(stay.last_ms),
+                "first": when(stay.first_ms, zone),
+                "last": when(stay.last_ms, zone),
             }
             for stay in stays
         ],
-        "first": when(thing.first_ms),
-        "last": when(thing.last_ms),
+        "first": when(thing.first_ms, zone),
+        "last": when(thing.last_ms, zone),
     }
 
 

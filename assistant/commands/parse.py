@@ -5,14 +5,13 @@ from __future__ import annotations
 import io
 import sys
 from collections.abc import Iterator
-from datetime import datetime
 from typing import Any
 
 import click
 
 from assistant.exits import ExitCode
-from assistant.options import opened, settings_of, settings_options, store_was_named
-from assistant.terminal import clean, json_line, speaks_unicode, well_formed
+from assistant.options import now_of, opened, settings_of, settings_options, store_was_named
+from assistant.terminal import clean, emit, well_formed
 
 
 @click.command("parse")
@@ -39,7 +38,7 @@ def command(context: click.Context, questions: tuple[str, ...], as_json: bool) -
 
         with opened(settings) as store:
             known["words"] = store_words(store)
-            moment = _moment_of_store(settings, store)
+            moment = now_of(settings, store)
     else:
         moment = settings.moment()
     for text in map(well_formed, questions) if questions else stdin_lines():
@@ -50,16 +49,10 @@ def command(context: click.Context, questions: tuple[str, ...], as_json: bool) -
         except QuestionError as error:  # one bad question must not stop the rest
             record, status = error.to_json(), ExitCode.QUESTION
         if as_json:
-            click.echo(json_line(record, ascii_only=not speaks_unicode(sys.stdout)))
+            emit(record)
         else:
             click.echo(readable(record))
     context.exit(status)
-
-
-def _moment_of_store(settings: Any, store: Any) -> datetime:
-    from assistant.options import now_of
-
-    return now_of(settings, store)
 
 
 def stdin_lines() -> Iterator[str]:

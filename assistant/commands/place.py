@@ -10,8 +10,8 @@ import click
 from assistant import completing
 from assistant.exits import ExitCode
 from assistant.options import opened, settings_of, settings_options
-from assistant.terminal import table
-from assistant.told import SCHEMA, carry_out, emit
+from assistant.terminal import emit, table
+from assistant.told import SCHEMA, carry_out
 
 if TYPE_CHECKING:
     from d3a.constraints import Correction

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable
-from datetime import UTC, datetime, timedelta, tzinfo
+from datetime import tzinfo
 from typing import TYPE_CHECKING
 
 import click
@@ -12,7 +12,8 @@ import click
 from assistant.config import Settings
 from assistant.exits import ExitCode
 from assistant.options import failures, opened, settings_of, settings_options, store_name, zone_for
-from assistant.terminal import clean, is_terminal, json_line, speaks_unicode
+from assistant.terminal import clean, emit, is_terminal
+from assistant.told import when
 
 if TYPE_CHECKING:
     from d3a.model import Json
@@ -54,7 +55,7 @@ def copy(context: click.Context, source: str, target: str, as_json: bool) -> Non
             origin.close()
     record = {"schema": SCHEMA, "from": mask(source), "to": mask(target), "equal": True}
     if as_json:
-        _print_json({**record, "holds": counts})
+        emit({**record, "holds": counts})
     else:
         click.echo(f"{clean(mask(target))} is equal to {clean(mask(source))}:")
         click.echo("\n".join(_count_lines(counts)))
@@ -107,7 +108,7 @@ def check(context: click.Context, repair: bool, as_json: bool) -> None:
             damage = examine(store)
     if as_json:
         record = {"schema": SCHEMA, "sound": not damage, "damage": damage, "mended": mended}
-        _print_json(record)
+        emit(record)
     else:
         for sentence in mended:
             click.echo(clean(f"mended: {sentence}"))
@@ -132,7 +133,7 @@ def info(context: click.Context, as_json: bool) -> None:
     with opened(settings) as store:
         record = {"schema": SCHEMA, **_facts(facts_of(store), settings, store)}
     if as_json:
-        _print_json(record)
+        emit(record)
         return
     for line in _info_lines(record):
         click.echo(clean(line))
@@ -147,10 +148,7 @@ def _facts(facts: Json, settings: Settings, store: Store) -> Json:
 
 
 def _iso(time_ms: int | None, zone: tzinfo) -> str | None:
-    if time_ms is None:
-        return None
-    moment = datetime(1970, 1, 1, tzinfo=UTC) + timedelta(milliseconds=time_ms)
-    return moment.astimezone(zone).isoformat(timespec="seconds")
+    return None if time_ms is None else when(time_ms, zone)
 
 
 def _info_lines(record: Json) -> list[str]:
@@ -172,7 +170,3 @@ def _info_lines(record: Json) -> list[str]:
 
 def _count_lines(counts: Json) -> list[str]:
     return [f"{kind:<11} {number}" for kind, number in counts.items()]
-
-
-def _print_json(record: Json) -> None:
-    click.echo(json_line(record, ascii_only=not speaks_unicode(sys.stdout)))

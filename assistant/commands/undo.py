@@ -6,8 +6,8 @@ import click
 
 from assistant.exits import ExitCode
 from assistant.options import opened, settings_of, settings_options, zone_for
-from assistant.terminal import table
-from assistant.told import carry_out, emit, record_of, when
+from assistant.terminal import emit, table
+from assistant.told import carry_out, record_of, when
 
 
 @click.command("undo")

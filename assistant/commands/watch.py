@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import signal
-import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from time import monotonic
@@ -17,7 +16,7 @@ from assistant.exits import ExitCode
 from assistant.intake_report import SCHEMA, Pace, summary_json, summary_lines
 from assistant.options import Failure, opened, settings_of, settings_options, store_name
 from assistant.taking_in import Wanted, intake_options
-from assistant.terminal import clean, json_line, speaks_unicode
+from assistant.terminal import clean, emit
 
 if TYPE_CHECKING:
     from types import FrameType
@@ -172,7 +171,7 @@ class _Run:
             record: dict[str, Any] = {"schema": SCHEMA, "store": mask(self._settings.store_uri)}
             record |= {"source": self._source, "is_over": summary is not None and not was_stopped}
             record["summary"] = None if summary is None else summary_json(summary)
-            click.echo(json_line(record, ascii_only=not speaks_unicode(sys.stdout)))
+            emit(record)
             return
         if summary is None:
             self._say("stopped before anything came")

@@ -91,7 +91,8 @@ def evaluate_command(
     """Run the paper's experiments (all by default) and print their tables beside the paper's."""
     from assistant.evaluation import running
     from assistant.exits import ExitCode
-    from assistant.told import emit, refusal
+    from assistant.terminal import emit
+    from assistant.told import refusal
     from d3a.model import D3AError
 
     names = running.EXPERIMENTS if not which or "all" in which else which
