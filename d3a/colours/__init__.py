@@ -1,6 +1,6 @@
 """Colour words scored against colour histograms at query time (DESIGN, decision 5)."""
 
-from d3a.colours.judge import LEAST_ODDS, Appearances, Verdict, judge, learn
+from d3a.colours.judge import LEAST_ODDS, Appearances, Verdict, learn
 from d3a.colours.looks import HISTOGRAM_SIZE, carries_histogram, histograms
 from d3a.colours.names import BASIC, colours_of, is_colour, words_of
 from d3a.colours.pixels import Palette
@@ -16,7 +16,6 @@ __all__ = [
     "colours_of",
     "histograms",
     "is_colour",
-    "judge",
     "learn",
     "words_of",
 ]

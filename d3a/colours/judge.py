@@ -142,16 +142,6 @@ class Appearances:
         return Verdict(probability=asked / (asked + rest), tenable=asked >= LEAST_ODDS * rest)
 
 
-def judge(
-    colours: Sequence[str],
-    embeddings: NDArray[np.float32],
-    palette: Palette,
-    views: Floats | None = None,
-) -> Verdict:
-    """Return what `Appearances.judge` does of histograms (n, 512) that are asked about once."""
-    return Appearances.of(embeddings, palette, views).judge(colours)
-
-
 def learn(embeddings: NDArray[np.float32], views: Floats | None = None) -> Palette:
     """Measure the histograms (n, 512) of a store, and learn how its colours look.
 

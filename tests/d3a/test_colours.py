@@ -8,12 +8,22 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from d3a.colours import BASIC, Appearances, Palette, colours_of, is_colour, judge, learn
+from d3a.colours import BASIC, Appearances, Palette, Verdict, colours_of, is_colour, learn
 from d3a.colours.names import rest_of
 from d3a.colours.pixels import AMONG_MANY, as_shares
 from tests.worlds.made import PAINTS, Rgb, painted
 
 WALLS: tuple[Rgb, ...] = ((150, 120, 90), (170, 170, 165), (90, 80, 75), (210, 200, 180))
+
+
+def judge(
+    colours: list[str],
+    embeddings: NDArray[np.float32],
+    palette: Palette,
+    views: NDArray[np.float64] | None = None,
+) -> Verdict:
+    """Return what is said of histograms (n, 512) that are read anew."""
+    return Appearances.of(embeddings, palette, views).judge(colours)
 
 
 def shop(*, light: float, fill: float) -> tuple[NDArray[np.float32], list[str]]:
