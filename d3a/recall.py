@@ -246,9 +246,9 @@ class Recall:
                 found = [stay for stay in self._ledger.stays(area=area) if _cell_of(stay) == cell]
             self._complete.add(cell)
             for stay in found:
-                object_id = stay.object_id
-                is_known = number_of(object_id) in self._asleep  # and so where it is
-                if stay.site == self._stored.site and self._is_away(object_id) and not is_known:
+                if stay.site != self._stored.site or not self._is_away(stay.object_id):
+                    continue
+                if number_of(stay.object_id) not in self._asleep:  # else where it is is known
                     self._remember(stay)
 
     def _is_away(self, object_id: str) -> bool:
