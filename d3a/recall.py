@@ -24,6 +24,7 @@ from d3a.memory_state import memory_of_state, memory_state
 from d3a.model import Json
 from d3a.outside import Outside
 from d3a.parameters import Parameters
+from d3a.same_thing import ranked, votes_of
 from d3a.sightings import Interval
 from d3a.store.base import Area, ObjectRecord, StayRecord
 from d3a.tier3 import Stored
@@ -76,7 +77,6 @@ class Recall:
 
     def _put(self, thing: Known) -> None:
         look = self._memory.looks.of(thing)
-        votes = sorted(thing.votes.items(), key=lambda vote: (-vote[1], vote[0]))
         tentative = thing.seen < self._parameters.confirm_sightings
         self._ledger.put_object(
             ObjectRecord(
@@ -86,7 +86,7 @@ class Recall:
                 first_ms=thing.first_ms,
                 last_ms=thing.last_ms,
                 site=self._stored.site,
-                categories=tuple(votes),
+                categories=ranked(thing.votes),
                 names=thing.names,
                 embedding=None
                 if look is None
@@ -252,7 +252,10 @@ class Recall:
                     self._remember(stay)
 
     def _is_away(self, object_id: str) -> bool:
-        """Say whether an object may be in a later frame and is not in memory."""
+        """Say whether an object may be in a later frame and is not in memory.
+
+        What is known by its look alone is in none: no detector knows it.
+        """
         return not is_by_look(object_id) and number_of(object_id) not in self._memory.things
 
     def _missing(self, places: Floats, variance: Floats) -> list[Cell]:
@@ -287,8 +290,6 @@ class Recall:
         for record in self._ledger.objects(ids=ids):
             if record.site != self._stored.site:  # a map of its own: its places are not these
                 continue
-            if is_by_look(record.object_id):  # no detector knows it, so no detection is of it
-                continue
             thing = self._known(record)
             thing.compared_ms = now_ms
             for stay in stays.get(record.object_id, []):
@@ -304,7 +305,7 @@ class Recall:
     def _known(self, record: ObjectRecord) -> Known:
         thing = Known(
             number=number_of(record.object_id),
-            votes=dict(record.categories) or {record.category: record.weight},
+            votes=votes_of(record),
             first_ms=record.first_ms,
             last_ms=record.last_ms,
             weight=record.weight,

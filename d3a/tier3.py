@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from d3a.images import unit
 from d3a.ledger import Ledger
 from d3a.parameters import Parameters
+from d3a.same_thing import ranked
 from d3a.sightings import Interval, joined
 from d3a.stm import Entry
 from d3a.store.base import ObjectRecord, StayKey, StayRecord
@@ -167,7 +168,7 @@ class DatabaseFilter:
                 weight=weight,
                 first_ms=min(record.first_ms, entry.first_ms),
                 last_ms=max(record.last_ms, entry.last_ms),
-                categories=tuple(sorted(votes.items(), key=lambda vote: (-vote[1], vote[0]))),
+                categories=ranked(votes),
                 embedding=None if mean is None else unit(mean),
                 embedding_model=None if mean is None else self._stored.embedding_model,
             )
