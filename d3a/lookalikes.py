@@ -8,6 +8,7 @@ only goes on from a find: it cannot turn a no into a yes.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +18,7 @@ from d3a.match import Candidate
 from d3a.moments import Entry, Found
 from d3a.parameters import Parameters
 from d3a.places import sigma_of
-from d3a.store.base import Area, ObjectRecord, Sighting, StayRecord
+from d3a.store.base import Area, ObjectRecord, Sighting, StayRecord, Store
 
 LIKELY = 0.5
 """A look-alike is taken in where it is more likely the same thing than not."""
@@ -51,11 +52,7 @@ def later_names(facts: Facts, entry: Entry, found: Found, parameters: Parameters
     if not others:
         return
     own = entry.sighting.object_id
-    beside = {
-        name
-        for e in store.encounters(object_ids=[own], with_ids=others)
-        for name in (e.object_a, e.object_b)
-    }
+    beside = seen_beside(store, own, others)
     records = store.objects(ids=[own, *(name for name in others if name not in beside)])
     look = next((record.embedding for record in records if record.object_id == own), None)
     if look is None:
@@ -67,6 +64,12 @@ def later_names(facts: Facts, entry: Entry, found: Found, parameters: Parameters
         theirs = [s for s in later if s.object_id == record.object_id]
         if same >= LIKELY and theirs:
             _take_in(found, entry.candidate, record, same, theirs, stays)
+
+
+def seen_beside(store: Store, object_id: str, others: Sequence[str]) -> set[str]:
+    """Return which of some others a frame shows beside an object, so that they are not it."""
+    met = store.encounters(object_ids=[object_id], with_ids=others)
+    return {name for e in met for name in (e.object_a, e.object_b)} - {object_id}
 
 
 def same_look(look: NDArray[np.float32], record: ObjectRecord) -> float:

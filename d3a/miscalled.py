@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from d3a.lookalikes import LIKELY, same_look, same_spot
+from d3a.lookalikes import LIKELY, same_look, same_spot, seen_beside
 from d3a.match import is_named
 from d3a.moments import Entry, Moment
 from d3a.plan import FindObjects
@@ -73,9 +73,7 @@ def _is_miscalled(run: Run, record: ObjectRecord) -> bool:
     if not others:
         return False
     ids = [other.object_id for other in others]
-    met = run.store.encounters(object_ids=[record.object_id], with_ids=ids)
-    beside = {name for encounter in met for name in (encounter.object_a, encounter.object_b)}
-    return not beside.issuperset(ids)
+    return not seen_beside(run.store, record.object_id, ids).issuperset(ids)
 
 
 def _is_taught(run: Run, record: ObjectRecord) -> bool:
