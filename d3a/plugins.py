@@ -7,13 +7,12 @@ before it is asked for by name.
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Iterable, Mapping
 from importlib.metadata import entry_points
 from typing import Any
 
 from d3a.model import BadInput
-from d3a.readers.parsing import clean_text
+from d3a.readers.parsing import clean_text, did_you_mean
 
 DETECTORS, EMBEDDERS = "d3a.detectors", "d3a.embedders"
 
@@ -29,8 +28,7 @@ def load(group: str, name: str, options: Mapping[str, str], built_in: Iterable[s
     found = list(dict.fromkeys(each for each in installed if each.name == name))
     if not found:
         known = sorted({*built_in, *(each.name for each in installed)})
-        near = difflib.get_close_matches(name, known, n=1)
-        hint = f" Did you mean {near[0]}?" if near else ""
+        hint = did_you_mean(name, known)
         raise BadInput(
             f"there is no {kind} {clean_text(name)!r}; there are {', '.join(known)}, or the path "
             f"of a file that ends in .onnx.{hint}"

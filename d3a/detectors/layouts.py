@@ -177,11 +177,10 @@ def _of_two(
                 continue
             layout = LAYOUTS["detr" if more else "rtdetr"]
             reading = Reading(layout, classes, size, boxes, scores)
-            chances = outputs[scores]
             yield replace(
                 reading,
                 is_share=_are_shares(reading.table(outputs[boxes])[:, :2]),
-                is_logit=bool(chances.min(initial=0.0) < 0 or chances.max(initial=0.0) > 1),
+                is_logit=_are_logits(outputs[scores]),
             )
 
 
@@ -209,8 +208,7 @@ def _by_numbers(reading: Reading, table: Floats) -> Iterator[Reading]:
         return
     shares = _are_shares(centre)
     if reading.layout.name == "yolo8":
-        chances = table[:, 4 : 4 + reading.classes]
-        is_logit = bool(chances.min(initial=0.0) < 0 or chances.max(initial=0.0) > 1)
+        is_logit = _are_logits(table[:, 4 : 4 + reading.classes])
         both = [LAYOUTS["yolo8"], LAYOUTS["rtdetr"]]
         # A few hundred rows of shares are a transformer's, whose pictures are not letterboxed.
         for layout in both[::-1] if shares and not reading.is_turned else both:
@@ -229,6 +227,11 @@ def _by_numbers(reading: Reading, table: Floats) -> Iterator[Reading]:
 
 def _are_shares(places: Floats) -> bool:
     return bool(np.abs(places).max(initial=0.0) <= _MOST_SHARE)
+
+
+def _are_logits(scores: NDArray[Any]) -> bool:
+    """Say whether they cannot be chances: some are below 0, or above 1."""
+    return bool(scores.min(initial=0.0) < 0 or scores.max(initial=0.0) > 1)
 
 
 def _grids(size: tuple[int, int]) -> Iterator[Floats]:

@@ -19,6 +19,7 @@ POSE_GAP_S = 0.5
 """The pose is taken between two that are this near; a robot at 1 m/s is then half a metre on."""
 NO_POSE = "no pose near in time"
 UNDATED_NOTE = "seconds count from an unknown start: put at 1 January 2000; start=TIME tells it"
+TIME_FILES = ("times.csv", "times.txt", "timestamps.csv", "timestamps.txt")
 PICTURE_SUFFIXES = frozenset(
     {".jpg", ".jpeg", ".png", ".bmp", ".webp", ".tif", ".tiff", ".ppm", ".pgm"}
 )

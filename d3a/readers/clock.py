@@ -35,6 +35,11 @@ class Clock:
     start_ms: int | None = None
     is_undated: bool = False
 
+    @property
+    def origin_ms(self) -> int:
+        """What seconds from the start count from: UNDATED where nobody knows."""
+        return round(UNDATED.timestamp() * 1000) if self.start_ms is None else self.start_ms
+
     def ms(self, text: str) -> int:
         """Return UTC milliseconds; BadInput for what is no time, or one without an offset."""
         count = _count(text)
@@ -44,8 +49,7 @@ class Clock:
             raise BadInput(f"the time {parsing.clean_text(text)} is before the start")
         if self.start_ms is None:
             self.is_undated = True
-        start_ms = round(UNDATED.timestamp() * 1000) if self.start_ms is None else self.start_ms
-        return start_ms + round(count * 1000)
+        return self.origin_ms + round(count * 1000)
 
     def absolute_ms(self, text: str) -> int:
         """Return UTC milliseconds of a time that says its date; BadInput otherwise."""

@@ -94,7 +94,7 @@ class CocoReader:
         if any(not isinstance(r.get("score"), int | float) for r in self._records[:100]):
             self._notes.append(CERTAIN_NOTE)
         self.facts = RecordingFacts(
-            name=source.resolve().stem if source.is_file() else source.resolve().name,
+            name=options.usual_name,
             zone=options.zone,
             frames=len(self._times),
             classes=tuple(sorted(set(self._categories.values()))),

@@ -90,7 +90,7 @@ class CsvReader:
         clock = options.clock()
         self._frames, _ = self._gathered(clock, self.skipped)
         self.facts = RecordingFacts(
-            name=source.resolve().stem if source.is_file() else source.resolve().name,
+            name=options.usual_name,
             zone=options.zone,
             frames=len(self._frames),
             notes=beside.undated((), is_undated=clock.is_undated),

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from d3a.model import BadInput
@@ -12,7 +11,6 @@ from d3a.readers import (
     coco,
     csv_table,
     kuri,
-    parsing,
     pictures,
     posed,
     recording,
@@ -22,6 +20,7 @@ from d3a.readers import (
 )
 from d3a.readers.base import Reader
 from d3a.readers.options import Options
+from d3a.readers.parsing import did_you_mean
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,19 +97,14 @@ def open_source(
     kind = FORMATS[name]
     chosen = Options(path, options, known=kind.options, zone=zone, reader=f"the reader of {name!r}")
     reader = kind.reader(path, chosen)
-    named, site = chosen.text("name"), chosen.text("site")
-    if named is not None:
-        reader.facts = replace(reader.facts, name=parsing.clean_text(named))
-    if site is not None:
-        reader.facts = replace(reader.facts, site=parsing.clean_text(site))
+    reader.facts = chosen.named(reader.facts)
     return reader
 
 
 def format_of(path: Path, format: str | None = None) -> str:  # noqa: A002
     """Return the name in FORMATS of what is at `path`; BadInput as `open_source`."""
     if format is not None and format not in FORMATS:
-        near = difflib.get_close_matches(format, FORMATS, n=1)
-        hint = f" Did you mean {near[0]}?" if near else ""
+        hint = did_you_mean(format, FORMATS)
         raise BadInput(f"unknown format {format!r}; there are {', '.join(FORMATS)}.{hint}")
     if "\0" in str(path) or not path.exists():
         raise BadInput(f"{path} does not exist")

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from pathlib import Path
 
 from d3a.model import BadInput
 from d3a.readers import parsing
+from d3a.readers.base import RecordingFacts
 from d3a.readers.clock import Clock
 
 COMMON: Mapping[str, str] = {
@@ -63,6 +64,7 @@ class Options:
         common: Mapping[str, str] = COMMON,
     ) -> None:
         self.folder = source if source.is_dir() else source.parent
+        self._source = source
         self.zone = parsing.zone_of(zone)
         self._given = dict(given or {})
         self._known = {**common, **(known or {})}
@@ -71,9 +73,23 @@ class Options:
                 raise BadInput(self._unknown(name, reader))
 
     def _unknown(self, name: str, reader: str) -> str:
-        near = difflib.get_close_matches(name, self._known, n=1)
-        hint = f" Did you mean {near[0]}?" if near else ""
+        hint = parsing.did_you_mean(name, self._known)
         return f"{reader} has no option {name!r}.{hint} It takes: {', '.join(sorted(self._known))}"
+
+    @property
+    def usual_name(self) -> str:
+        """What the recording is called by its place: the folder, or the file without its ending."""
+        whole = self._source.resolve()
+        return whole.stem if self._source.is_file() else whole.name
+
+    def named(self, facts: RecordingFacts) -> RecordingFacts:
+        """Return the facts with the name and the site that the person told, where there are any."""
+        name, site = self.text("name"), self.text("site")
+        if name is not None:
+            facts = replace(facts, name=parsing.clean_text(name))
+        if site is not None:
+            facts = replace(facts, site=parsing.clean_text(site))
+        return facts
 
     def text(self, name: str) -> str | None:
         """Return the value as it was given, None where it was not."""

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import difflib
 import json
 import math
 import unicodedata
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from datetime import datetime
 from pathlib import Path
 from typing import Any
@@ -46,6 +47,12 @@ def category_of(value: Any, skipped: Skipped, where: str) -> str:
     if any(_hidden(c) for c in value.strip()):
         skipped.add(CLEANED, where)
     return cleaned
+
+
+def did_you_mean(said: str, known: Iterable[str], cutoff: float = 0.6) -> str:
+    """Return the end of a message, which names what is spelt nearest; "" where nothing is near."""
+    near = difflib.get_close_matches(said, list(known), n=1, cutoff=cutoff)
+    return f" Did you mean {near[0]}?" if near else ""
 
 
 def zone_of(name: str | None) -> str | None:

@@ -16,15 +16,15 @@ from d3a.readers import beside, boxes, parsing
 from d3a.readers.base import Link, RecordingFacts, Skipped, Stream
 from d3a.readers.beside import Beside
 from d3a.readers.clock import Clock
-from d3a.readers.options import Options
+from d3a.readers.options import TIMES, Options
 from d3a.readers.tracks import BROKEN_TIME, read_times
 
-TIME_FILES = ("times.csv", "times.txt", "timestamps.csv", "timestamps.txt", "rgb.txt")
+TIME_FILES = (*beside.TIME_FILES, "rgb.txt")
 FROM_NAMES, FROM_EXIF = "names", "exif"
 OPTIONS = {
     **beside.OPTIONS,
     "times": "FILE of times; or names: each is in its picture's name; or exif: the camera's own",
-    "start": "ISO time that seconds from the recording's start count from",
+    "start": TIMES["start"],
 }
 NO_TIME = "no time: no row names the picture"
 _WRITTEN_DATE = re.compile(r"(?<!\d)(\d{4})(\d\d)(\d\d)[-_T]?(\d\d)(\d\d)(\d\d)(\d{3})?(?!\d)")

@@ -20,6 +20,7 @@ from d3a.images import unit
 from d3a.model import BadInput, Camera, Detection, Frame, Json, Pose
 from d3a.readers import parsing
 from d3a.readers.base import Link, RecordingFacts, Regions, Skipped, Stream
+from d3a.readers.beside import line_count
 
 FACTS = "recording.json"
 FRAMES = "frames.jsonl"
@@ -71,7 +72,7 @@ class RecordingReader:
             name=self._text("recording") or folder.resolve().name,
             site=self._text("site") or "",
             zone=parsing.zone_of(zone or self._text("zone")),
-            frames=_line_count(folder / FRAMES),
+            frames=line_count(folder / FRAMES),
             classes=tuple(parsing.clean_text(str(c)) for c in self._record.get("classes") or ()),
             embedding_model=str(embedding.get("name")) if embedding else None,
             now=self._now(),
@@ -134,7 +135,7 @@ class RecordingReader:
                 times.append(parsing.time_ms(record.get("time")))
         found = [Stream.of(FRAMES, "frames listed", times)]
         if (self._folder / DETECTIONS).is_file():
-            found.append(Stream(DETECTIONS, "detections", _line_count(self._folder / DETECTIONS)))
+            found.append(Stream(DETECTIONS, "detections", line_count(self._folder / DETECTIONS)))
         embeddings = self._embeddings()
         if embeddings is not None:
             found.append(Stream(EMBEDDINGS, "embeddings", len(embeddings)))
@@ -259,8 +260,3 @@ def _regions(records: Any) -> Regions:
         name = parsing.clean_text(record["name"])
         polygons.append((name, tuple((c[0], c[1]) for c in corners)))
     return Regions(tuple(polygons))
-
-
-def _line_count(path: Path) -> int:
-    with path.open("rb") as lines:
-        return sum(1 for line in lines if line.strip())

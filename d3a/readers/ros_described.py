@@ -20,6 +20,11 @@ def time_ms_of(time_ns: int) -> int:
     return (time_ns + 500_000) // 1_000_000
 
 
+def name_of(time_ms: int) -> str:
+    """Return a frame's name: its time, in seconds."""
+    return f"{time_ms // 1000}.{time_ms % 1000:03d}"
+
+
 def streams_of(bag: Bag, choice: Choice, stamps: Stamps, sure: PoseTopic | None) -> list[Stream]:
     """Return every topic with its times, by the headers where there are any.
 

@@ -7,7 +7,7 @@ are only counted, and read again one by one where they are needed.
 from __future__ import annotations
 
 from array import array
-from bisect import bisect_left, bisect_right
+from bisect import bisect_right
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -19,6 +19,7 @@ from d3a.readers.ros_bag import Bag, Message
 from d3a.readers.ros_pictures import Calibration, calibration_of, distortion_of
 from d3a.readers.ros_poses import PoseTopic, pose_of
 from d3a.readers.ros_tf import Tree
+from d3a.readers.tracks import nearest_at
 
 NO_STAMP = "message without a time in its header (stamps=receive takes the recorder's)"
 BROKEN_MESSAGE = "broken message"
@@ -182,11 +183,9 @@ def nearest(times: Sequence[int], others: Sequence[int], gap_ns: float) -> dict[
     ordered = [others[number] for number in order]
     found = {}
     for number, time_ns in enumerate(times):
-        after = bisect_left(ordered, time_ns)
-        near = [i for i in (after - 1, after) if 0 <= i < len(ordered)]
-        near = [i for i in near if abs(ordered[i] - time_ns) <= gap_ns]
-        if near and time_ns != NEVER:
-            found[number] = order[min(near, key=lambda i: (abs(ordered[i] - time_ns), i))]
+        at = nearest_at(ordered, time_ns, gap_ns)
+        if at is not None and time_ns != NEVER:
+            found[number] = order[at]
     return found
 
 

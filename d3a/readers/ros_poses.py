@@ -204,10 +204,7 @@ def _by_tf(names: list[str], up: list[Edge], goal: str, topics: Sequence[PoseTop
 
 def _body(edges: Sequence[Edge]) -> int:
     """Return how many links lead to the robot's body: all but the fixed ones at the end."""
-    count = len(edges)
-    while count and edges[count - 1].fixed is not None:
-        count -= 1
-    return count
+    return len(edges) - _fixed_from_below(edges[::-1])
 
 
 def _by_topic(tree: Tree, topic: PoseTopic, names: list[str], up: list[Edge], goal: str) -> Way:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import bz2
 import sqlite3
 import struct
+from collections import Counter
 from collections.abc import Collection, Iterator
 from contextlib import closing
 from io import BytesIO
@@ -120,10 +121,7 @@ class CutRos1:
         self._path = path
         self.name = path.name
         self._known: dict[int, tuple[str, str, str]] = {}
-        self._counts: dict[str, int] = {}
-        for number, _, _ in self._records():
-            topic = self._known[number][0]
-            self._counts[topic] = self._counts.get(topic, 0) + 1
+        self._counts = Counter(self._known[number][0] for number, _, _ in self._records())
 
     def _records(self) -> Iterator[tuple[int, int, bytes]]:
         """Yield (connection, receive time, content) of each message up to the break."""
@@ -165,7 +163,7 @@ class CutRos1:
     def topics(self) -> list[tuple[str, str, int | None]]:
         """Return what was found before the break."""
         kinds = {topic: kind for topic, kind, _ in self._known.values()}
-        return [(topic, kind, self._counts.get(topic, 0)) for topic, kind in kinds.items()]
+        return [(topic, kind, self._counts[topic]) for topic, kind in kinds.items()]
 
     def definitions(self) -> list[tuple[str, str, str]]:
         """Return the definitions that each connection brings."""
@@ -207,10 +205,7 @@ class CutMcap:
         self.name = path.name
         self._schemas: dict[int, tuple[str, str, str]] = {}
         self._channels: dict[int, tuple[str, int]] = {}
-        self._counts: dict[str, int] = {}
-        for number, _, _ in self._records():
-            topic = self._channels[number][0]
-            self._counts[topic] = self._counts.get(topic, 0) + 1
+        self._counts = Counter(self._channels[number][0] for number, _, _ in self._records())
 
     def _records(self) -> Iterator[tuple[int, int, bytes]]:
         with self._path.open("rb") as file:
@@ -251,7 +246,7 @@ class CutMcap:
     def topics(self) -> list[tuple[str, str, int | None]]:
         """Return what was found before the break."""
         return [
-            (topic, self._schemas[schema][0], self._counts.get(topic, 0))
+            (topic, self._schemas[schema][0], self._counts[topic])
             for topic, schema in self._channels.values()
             if schema in self._schemas
         ]

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 
 from d3a.model import Pose, Position
 from d3a.readers.base import Link
-from d3a.readers.tracks import between
+from d3a.readers.tracks import between, nearest_at
 
 IDENTITY = Pose((0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0))
 OPTICAL = Pose((0.0, 0.0, 0.0), (-0.5, 0.5, -0.5, 0.5))
@@ -99,16 +99,13 @@ class Samples:
         after = bisect_left(self._times, time_ns)
         if after < len(self._times) and self._times[after] == time_ns:
             return self._pose(after)
-        near = [i for i in (after - 1, after) if 0 <= i < len(self._times)]
-        if len(near) == 2:
+        if 0 < after < len(self._times):
             before_ns, after_ns = self._times[after - 1], self._times[after]
             if after_ns - before_ns <= reach.between_ns:
                 share = (time_ns - before_ns) / (after_ns - before_ns)
                 return between(self._pose(after - 1), self._pose(after), share)
-        near = [i for i in near if abs(self._times[i] - time_ns) <= reach.beyond_ns]
-        if not near:
-            return None
-        return self._pose(min(near, key=lambda i: abs(self._times[i] - time_ns)))
+        held = nearest_at(self._times, time_ns, reach.beyond_ns)
+        return None if held is None else self._pose(held)
 
     def _pose(self, number: int) -> Pose:
         x, y, z, qx, qy, qz, qw = self._values[7 * number : 7 * number + 7]

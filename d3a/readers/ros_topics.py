@@ -5,15 +5,14 @@ Where two would do alike the person is asked, with both named: nothing is guesse
 
 from __future__ import annotations
 
-import difflib
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from d3a.model import BadInput
-from d3a.readers import ros_pictures, ros_vision
+from d3a.readers import parsing, ros_pictures, ros_vision
 from d3a.readers.ros_bag import Bag, Topic
-from d3a.readers.ros_pictures import CAMERA_INFO, COMPRESSED, IMAGE
+from d3a.readers.ros_pictures import CAMERA_INFO, COMPRESSED, COMPRESSED_DEPTH, IMAGE
 
 TF = ("tf2_msgs/msg/TFMessage", "tf/msg/tfMessage")
 ODOMETRY = "nav_msgs/msg/Odometry"
@@ -78,15 +77,16 @@ def told(given: Mapping[str, str], bag: Bag) -> dict[str, str]:
 
 
 def _absent(role: str, name: str, bag: Bag) -> str:
-    fitting = [topic.name for topic in bag.topics.values() if topic.type in TYPES[role]]
-    near = difflib.get_close_matches(name, fitting, n=1, cutoff=0.5)
-    hint = f" Did you mean {near[0]}?" if near else ""
+    hint = parsing.did_you_mean(name, _names_for(role, bag), cutoff=0.5)
     return f"the bag has no topic {name!r}{_fitting(role, bag)}.{hint}"
 
 
 def _fitting(role: str, bag: Bag) -> str:
-    fitting = [topic.name for topic in bag.topics.values() if topic.type in TYPES[role]]
-    return f"; for {role} it has {', '.join(fitting) or 'none'}"
+    return f"; for {role} it has {', '.join(_names_for(role, bag)) or 'none'}"
+
+
+def _names_for(role: str, bag: Bag) -> list[str]:
+    return [topic.name for topic in bag.topics.values() if topic.type in TYPES[role]]
 
 
 class Choice:
@@ -95,14 +95,19 @@ class Choice:
     def __init__(self, bag: Bag, given: Mapping[str, str]) -> None:
         self._bag = bag
         self.told = told(given, bag)
-        self._pictures = [
-            self._look(t) for t in bag.topics.values() if t.type in TYPES["image"] and _filled(t)
-        ]
+        self._pictures = self._looked_at(TYPES["image"])
         self.image = self._image()
         self.depth = self._depth()
         self.detections = self._only("detections")
         self.camera_info = self._camera_info()
         self.map = self._map()
+
+    def _filled(self, types: Collection[str]) -> list[Topic]:
+        """Return the topics of these types that have messages, as far as that is known."""
+        return [t for t in self._bag.topics.values() if t.type in types and t.count != 0]
+
+    def _looked_at(self, types: Collection[str]) -> list[Looked]:
+        return [self._look(topic) for topic in self._filled(types)]
 
     def _look(self, topic: Topic) -> Looked:
         message = self._bag.first(topic.name)
@@ -147,8 +152,7 @@ class Choice:
     def _only(self, role: str) -> Looked | None:
         if role in self.told:
             return self.of(role)
-        topics = [t for t in self._bag.topics.values() if t.type in TYPES[role] and _filled(t)]
-        return _one_of(role, [self._look(t) for t in topics], lambda _: (0,))
+        return _one_of(role, self._looked_at(TYPES[role]), lambda _: (0,))
 
     def _beside(self, name: str) -> Topic | None:
         """Return the CameraInfo that belongs to a picture's topic by its name."""
@@ -162,9 +166,7 @@ class Choice:
             return self.of("camera-info")
         if self.image is not None and (own := self._beside(self.image.topic.name)) is not None:
             return self._look(own)
-        infos = [
-            self._look(t) for t in self._bag.topics.values() if t.type == CAMERA_INFO and _filled(t)
-        ]
+        infos = self._looked_at(TYPES["camera-info"])
         seen_from = self.image or self.detections
         if seen_from is not None and seen_from.frame_id:
             infos = [each for each in infos if each.frame_id == seen_from.frame_id]
@@ -173,8 +175,8 @@ class Choice:
     def _map(self) -> Looked | None:
         if "map" in self.told:
             return self.of("map")
-        topics = [t for t in self._bag.topics.values() if t.type == GRID and _filled(t)]
-        plans = [t for t in topics if "costmap" not in t.name]  # those are the planner's
+        # costmaps are the planner's
+        plans = [t for t in self._filled(TYPES["map"]) if "costmap" not in t.name]
         return _one_of("map", [Looked(t, None) for t in plans], lambda e: (e.topic.name == "/map",))
 
     def tf(self) -> tuple[list[str], list[str]]:
@@ -190,10 +192,9 @@ class Choice:
         if "pose" in self.told:
             chosen = self.of("pose")
             return [] if chosen is None else [chosen]
-        topics = [t for t in self._bag.topics.values() if t.type in POSES and _filled(t)]
         return [
             self._look(t)
-            for t in topics
+            for t in self._filled(POSES)
             if not any(word in t.name.lower() for word in NO_POSE_WORDS)
         ]
 
@@ -263,13 +264,6 @@ def _camera_of(name: str) -> str:
     """Return a picture's topic without what its transport adds."""
     base, _, last = name.rpartition("/")
     return base if last in ("compressed", COMPRESSED_DEPTH, "theora", "ffmpeg") else name
-
-
-COMPRESSED_DEPTH = ros_pictures.COMPRESSED_DEPTH
-
-
-def _filled(topic: Topic) -> bool:
-    return topic.count != 0
 
 
 def _words(name: str) -> frozenset[str]:

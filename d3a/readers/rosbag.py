@@ -16,10 +16,9 @@ from d3a.model import BadInput, Camera, Depth, Detection, Frame, Image, Json, Po
 from d3a.readers import beside, parsing, ros_pictures, ros_vision
 from d3a.readers.base import Link, RecordingFacts, Skipped, Stream
 from d3a.readers.cameras import Lens
-from d3a.readers.clock import UNDATED
 from d3a.readers.options import CAMERA, Options
 from d3a.readers.ros_bag import METADATA, Bag, Message, bag_files
-from d3a.readers.ros_described import notes_of, streams_of, time_ms_of
+from d3a.readers.ros_described import name_of, notes_of, streams_of, time_ms_of
 from d3a.readers.ros_index import (
     BROKEN_MESSAGE,
     NEVER,
@@ -106,7 +105,7 @@ class RosbagReader:
         map_record = self._floor()
         self.skipped = self._fresh()
         self.facts = RecordingFacts(
-            name=source.resolve().stem if source.is_file() else source.resolve().name,
+            name=options.usual_name,
             zone=options.zone,
             frames=len(self._wanted),
             classes=tuple(dict.fromkeys(self._names.values())),
@@ -124,9 +123,8 @@ class RosbagReader:
         stamp = None if first is None else stamps.of(first)
         if stamp is None or stamp >= UNIX_FROM_NS:
             return stamps, False
-        start_ms = options.clock().start_ms
-        said = round(UNDATED.timestamp() * 1000) if start_ms is None else start_ms
-        return replace(stamps, offset_ns=said * 10**6), start_ms is None
+        clock = self._clock
+        return replace(stamps, offset_ns=clock.origin_ms * 10**6), clock.start_ms is None
 
     def _class_names(self, options: Options) -> dict[str, str]:
         path = options.file("classes")
@@ -209,7 +207,7 @@ class RosbagReader:
         if self._choice.detections is not None:
             times = self._index.times[self._choice.detections.topic.name]
             for number in self._homeless:
-                where = "no time" if times[number] == NEVER else _name(time_ms_of(times[number]))
+                where = "no time" if times[number] == NEVER else name_of(time_ms_of(times[number]))
                 skipped.add(NO_PICTURE, where)
         return skipped
 
@@ -242,7 +240,7 @@ class RosbagReader:
                 self.skipped.add(NO_STAMP, f"{message.topic}: message {number + 1}")
                 continue
             time_ms = time_ms_of(times[number])
-            name = _name(time_ms)
+            name = name_of(time_ms)
             if boxes is not None and number not in self._boxes:
                 self.skipped.add(NOT_LOOKED, name)
                 continue
@@ -377,11 +375,6 @@ def _size_of(looked: Looked | None) -> tuple[int, int] | None:
         return images.size(bytes(looked.message.data))
     except BadInput:
         return None
-
-
-def _name(time_ms: int) -> str:
-    """Return a frame's name: its time, in seconds."""
-    return f"{time_ms // 1000}.{time_ms % 1000:03d}"
 
 
 def _listed(bag: Bag) -> str:

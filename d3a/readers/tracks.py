@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_left
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -56,6 +56,14 @@ def _needed(row: Row, name: str) -> str:
     return row[name]
 
 
+def nearest_at(times: Sequence[int], wanted: int, gap: float) -> int | None:
+    """Return which of some sorted times is nearest, the earlier of two; None beyond the gap."""
+    after = bisect_left(times, wanted)
+    near = [at for at in (after - 1, after) if 0 <= at < len(times)]
+    near = [at for at in near if abs(times[at] - wanted) <= gap]
+    return min(near, key=lambda at: (abs(times[at] - wanted), at), default=None)
+
+
 @dataclass(slots=True)
 class Track:
     """Poses by time, or by the frame's name."""
@@ -66,12 +74,8 @@ class Track:
 
     def nearest(self, time_ms: int, gap_ms: float) -> Pose | None:
         """Return the pose nearest in time, the earlier of two; None where it is farther off."""
-        at = bisect_left(self.times, time_ms)
-        near = [i for i in (at - 1, at) if 0 <= i < len(self.times)]
-        near = [i for i in near if abs(self.times[i] - time_ms) <= gap_ms]
-        if not near:
-            return None
-        return self.poses[min(near, key=lambda i: (abs(self.times[i] - time_ms), i))]
+        at = nearest_at(self.times, time_ms, gap_ms)
+        return None if at is None else self.poses[at]
 
     def at(self, time_ms: int, gap_ms: float) -> Pose | None:
         """Return the pose at a time: between the two around it where both are near enough."""

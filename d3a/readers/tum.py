@@ -16,7 +16,7 @@ from d3a.model import BadInput, Frame, Pose
 from d3a.readers import boxes, parsing
 from d3a.readers.base import Link, RecordingFacts, Skipped, Stream
 from d3a.readers.cameras import Intrinsics, Lens
-from d3a.readers.options import CAMERA, DETECTIONS, POSES, Options
+from d3a.readers.options import CAMERA, DETECTIONS, POSES, TIMES, Options
 from d3a.readers.tables import read_table
 from d3a.readers.tracks import BROKEN_TIME, Track, read_track
 
@@ -36,7 +36,7 @@ OPTIONS = {
     **DETECTIONS,
     "depth-scale": "counts a metre in the depth pictures (5000; other tools write 1000)",
     "depth-gap": "SECONDS to the nearest depth picture that still counts (0.02)",
-    "start": "ISO time that seconds from the recording's start count from",
+    "start": TIMES["start"],
 }
 NO_DEPTH = "no depth picture near in time"
 NO_POSE = "no pose near in time"

@@ -14,13 +14,12 @@ from d3a.model import BadInput, Frame
 from d3a.readers import beside, parsing
 from d3a.readers.base import Link, RecordingFacts, Skipped, Stream
 from d3a.readers.beside import Beside
-from d3a.readers.clock import UNDATED, Clock
+from d3a.readers.clock import Clock
 from d3a.readers.options import TIMES, Options
 from d3a.readers.tracks import read_times
 from d3a.videos import Video
 
 SUFFIXES = frozenset({".mp4", ".m4v", ".mov", ".avi", ".mkv", ".webm", ".mpg", ".mpeg", ".ogv"})
-TIME_FILES = ("times.csv", "times.txt", "timestamps.csv", "timestamps.txt")
 OPTIONS = {**beside.OPTIONS, **TIMES}
 ENDS_EARLY = "the video ends before its header says"
 NO_TIME = "no time: no row names the frame"
@@ -51,14 +50,14 @@ class VideoReader:
         prefix = f"{source.stem}." if source.is_file() else ""
         self._options = options
         self._beside = Beside.of(options, prefix)
-        self._times_file = options.file("times", *(prefix + name for name in TIME_FILES))
+        self._times_file = options.file("times", *(prefix + name for name in beside.TIME_FILES))
         self._video = Video.open(found[0])
         self.skipped = Skipped()
         clock = options.clock()
         times = self._times(clock, self.skipped)
         is_dated = clock.start_ms is not None or (times is not None and not clock.is_undated)
         self.facts = RecordingFacts(
-            name=source.resolve().stem if source.is_file() else source.resolve().name,
+            name=options.usual_name,
             zone=options.zone,
             frames=self._video.frames or None,
             notes=beside.undated((), is_undated=not is_dated),
@@ -87,15 +86,12 @@ class VideoReader:
         self.skipped = Skipped()
         clock = self._options.clock()
         times = self._times(clock, self.skipped)
-        start_ms = clock.start_ms
-        if start_ms is None:
-            start_ms = round(UNDATED.timestamp() * 1000)
         names = {f"{n:06d}": str(n) for n in range(self._video.frames)}
         posed, rows = self._beside.read(self._options, names, self.skipped)
         number = -1
         for number, seconds, pixels in shots:
             name = f"{number:06d}"
-            time_ms = start_ms + round(seconds * 1000)
+            time_ms = clock.origin_ms + round(seconds * 1000)
             if times is not None and str(number) not in times:
                 self.skipped.add(NO_TIME, name)
                 continue

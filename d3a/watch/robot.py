@@ -10,7 +10,8 @@ from d3a import images
 from d3a.model import BadInput, Depth, Detection, Frame, Image, Pose
 from d3a.readers import parsing, ros_pictures, ros_vision
 from d3a.readers.base import Skipped
-from d3a.readers.ros_poses import PoseTopic, Way, find_way, pose_of
+from d3a.readers.ros_described import name_of, time_ms_of
+from d3a.readers.ros_poses import MAP, PoseTopic, Way, find_way, pose_of
 from d3a.readers.ros_tf import IDENTITY, Reach, Tree
 from d3a.readers.ros_topics import frame_id_of
 from d3a.watch.messages import stamp_ns
@@ -163,8 +164,8 @@ class Robot:
         return found
 
     def _frame(self, waiting: _Waiting) -> Frame | None:
-        time_ms = (waiting.time_ns + 500_000) // 10**6
-        name = f"{time_ms // 1000}.{time_ms % 1000:03d}"
+        time_ms = time_ms_of(waiting.time_ns)
+        name = name_of(time_ms)
         depth = self._taken("depth", waiting.time_ns) if "depth" in self._beside else None
         boxes: Any = waiting.message if self._main == "detections" else None
         if "detections" in self._beside:
@@ -232,7 +233,7 @@ class Robot:
             return None
 
     def _detections(self, message: Any, pose: Pose | None, name: str) -> tuple[Detection, ...]:
-        seen_from = IDENTITY if frame_id_of(message) == (self._map_frame or "map") else pose
+        seen_from = IDENTITY if frame_id_of(message) == (self._map_frame or MAP) else pose
         found = []
         for each in message.detections:
             try:

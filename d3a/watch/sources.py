@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import replace
 from pathlib import Path
 
 from d3a.model import BadInput
-from d3a.readers import parsing
 from d3a.readers.base import Follower, Reader
 from d3a.readers.opening import format_of, open_source
 from d3a.readers.options import Options
@@ -97,9 +95,5 @@ def _recording(
         follower = RecordingFollower(source, patience, zone=options.zone, needs_boxes=needs_boxes)
     except BadInput as error:
         raise _NotYet(str(error)) from error
-    named, site = options.text("name"), options.text("site")
-    if named is not None:
-        follower.facts = replace(follower.facts, name=parsing.clean_text(named))
-    if site is not None:
-        follower.facts = replace(follower.facts, site=parsing.clean_text(site))
+    follower.facts = options.named(follower.facts)
     return follower
