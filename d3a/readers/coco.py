@@ -91,6 +91,7 @@ class CocoReader:
         self._layout = self._said or self._told_apart()
         clock = options.clock()
         self._times = self._timed(clock, self.skipped)
+        self._left_out = self.skipped
         if any(not isinstance(r.get("score"), int | float) for r in self._records[:100]):
             self._notes.append(CERTAIN_NOTE)
         self.facts = RecordingFacts(
@@ -149,13 +150,11 @@ class CocoReader:
     def __iter__(self) -> Iterator[Frame]:
         """Yield a frame for each image that has a time."""
         self.skipped = Skipped()
-        _results(self._results, self.skipped)
-        _images(_listed(self._results, self._options), self.skipped)
-        times = self._timed(self._options.clock(), self.skipped)
+        self.skipped.join(self._left_out)
         rows = self._rows()
-        paths = {self._name(key): self._images[key].file for key in times}
+        paths = {self._name(key): self._images[key].file for key in self._times}
         posed, _ = self._beside.read(self._options, paths, self.skipped)
-        for key, time_ms in times.items():
+        for key, time_ms in self._times.items():
             image, name = self._images[key], self._name(key)
             try:
                 path = self._picture(image)

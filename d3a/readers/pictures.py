@@ -59,6 +59,7 @@ class PicturesReader:
         self.skipped = Skipped()
         clock = options.clock()
         self._times = self._timed(clock, self.skipped)
+        self._left_out = self.skipped
         self.facts = RecordingFacts(
             name=source.resolve().name,
             zone=options.zone,
@@ -99,8 +100,9 @@ class PicturesReader:
     def __iter__(self) -> Iterator[Frame]:
         """Yield a frame for each picture that has a time."""
         self.skipped = Skipped()
+        self.skipped.join(self._left_out)
         frames = {}
-        for time_ms, picture in self._timed(self._options.clock(), self.skipped):
+        for time_ms, picture in self._times:
             try:
                 frames[beside.frame_of(picture)] = (time_ms, picture)
             except BadInput as error:

@@ -74,6 +74,7 @@ class TumReader:
         self._clock = options.clock()
         self.skipped = Skipped()
         self._colour = self._list(COLOUR)
+        self._left_out = self.skipped
         self.facts = RecordingFacts(
             name=source.resolve().name,
             zone=options.zone,
@@ -107,12 +108,12 @@ class TumReader:
     def __iter__(self) -> Iterator[Frame]:
         """Yield a frame for each colour picture."""
         self.skipped = Skipped()
-        colour = self._list(COLOUR)
+        self.skipped.join(self._left_out)
         depth = self._list(DEPTH) if (self._folder / DEPTH).is_file() else None
         depth = None if depth is None else sorted(depth, key=lambda each: each.time_ms)
         track = self._track()
-        rows = self._rows(colour)
-        for listed in colour:
+        rows = self._rows()
+        for listed in self._colour:
             try:
                 yield self._frame(listed, depth, track, rows)
             except BadInput as error:
@@ -125,10 +126,10 @@ class TumReader:
             return None
         return read_track(self._poses, self._clock, self.skipped)
 
-    def _rows(self, colour: Sequence[Listed]) -> parsing.Rows | None:
+    def _rows(self) -> parsing.Rows | None:
         if self._detections is None:
             return None
-        names = boxes.FrameNames({Path(each.name).stem: each.name for each in colour})
+        names = boxes.FrameNames({Path(each.name).stem: each.name for each in self._colour})
         return boxes.read_boxes(self._detections, names, self._layout, self.skipped)
 
     def _frame(
