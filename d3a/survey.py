@@ -212,10 +212,7 @@ def _share(stream: Stream, frames: Stream) -> float | None:
 def _together(*parts: Skipped) -> Skipped:
     whole = Skipped()
     for part in parts:
-        for reason, count in part.counts.items():
-            whole.counts[reason] = whole.counts.get(reason, 0) + count
-            named = whole.examples.get(reason, []) + part.examples.get(reason, [])
-            whole.examples[reason] = named[:3]
+        whole.join(part)
     return whole
 
 

@@ -15,7 +15,6 @@ from __future__ import annotations
 
 import argparse
 import os
-import sys
 import tempfile
 import time
 from contextlib import closing
@@ -25,7 +24,7 @@ from pathlib import Path
 
 import numpy as np
 
-from assistant.asking import ask, read_question, store_now, store_parameters
+from assistant.asking import ask, read_question, store_parameters
 from assistant.batch import run
 from assistant.evaluation.asking_stores import EVERYTHING, RETRIEVING
 from assistant.lexicon import VocabularyLexicon
@@ -39,6 +38,7 @@ from d3a.readers.opening import open_source
 from d3a.simulate import simulate
 from d3a.store import open_store
 from d3a.store.base import Store
+from tests.bench.bench_scale import now_of, say
 
 QUESTIONS = (
     "Where is the cup?",
@@ -109,7 +109,7 @@ def measure(store: Store, rounds: int, batch: int) -> None:
         f"store: {counts['objects']} objects, {counts['stays']} stays, "
         f"{counts['sightings']} sightings, {counts['encounters']} encounters"
     )
-    now = store_now(store, "last", _no_clock)
+    now = now_of(store)
     cold = ask(store, QUESTIONS[1], now=now).elapsed_ms["total"]
     say(f"first question of the process: {cold:.1f} ms")
     spent: dict[str, list[float]] = {question: [] for question in QUESTIONS}
@@ -157,7 +157,7 @@ def against_naive(store: Store, naive: Store, rounds: int) -> None:
     """
     counts = naive.counts()
     say(f"naive: {counts['objects']} objects, {counts['sightings']} sightings")
-    now = store_now(store, "last", _no_clock)
+    now = now_of(store)
     for name, anew in (("read anew", True), ("kept from the question before", False)):
         pairs = [
             (_retrieved(store, q, now, rounds, anew), _retrieved(naive, q, now, rounds, anew))
@@ -211,15 +211,6 @@ def _retrieved(store: Store, question: str, now: datetime, rounds: int, anew: bo
         spent.append((time.process_time() - worked) * 1000)
         told = len(answer.keyframes)
     return Retrieved(float(np.median(spent[1:])), told)
-
-
-def _no_clock() -> datetime:
-    raise SystemExit("the store is empty: there is nothing to measure")
-
-
-def say(line: str) -> None:
-    """Write a line of the report."""
-    sys.stdout.write(line + "\n")
 
 
 if __name__ == "__main__":

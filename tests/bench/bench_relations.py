@@ -19,7 +19,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import sys
 import tempfile
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Sequence
@@ -45,6 +44,7 @@ from d3a.store import open_store
 from d3a.store.base import Encounter, StayKey, Store
 from d3a.truth import Truth, place_at, read_truth
 from grammar.forms import RelationKind
+from tests.bench.bench_scale import say
 from tests.worlds.arranged import HOLLOW, arranged
 
 GOALS = {"noiseless": 0.9, "nominal": 0.75}
@@ -399,11 +399,6 @@ def measured(
             world = World(recording, poses)
             for kind, tally in judged(world, store, DEFAULT):
                 yield condition, kind, tally
-
-
-def say(line: str) -> None:
-    """Write a line of the report."""
-    sys.stdout.write(line + "\n")
 
 
 if __name__ == "__main__":

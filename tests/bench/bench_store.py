@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import argparse
 import statistics
-import sys
 import tempfile
 import time
 from collections.abc import Callable, Iterator
@@ -22,6 +21,7 @@ import numpy as np
 
 from d3a.store import open_store
 from d3a.store.base import Area, Batch, ObjectRecord, Sighting, StayRecord, Store
+from tests.bench.bench_scale import say
 from tests.worlds.victims import kill_loop
 
 T0 = 1_582_178_400_000
@@ -62,11 +62,6 @@ def main() -> None:
 def span_ms(places: int) -> int:
     """Return how long the drawn world lasts: 4 days of 20 k places, 40 of 200 k."""
     return max(4, places // PLACES_A_DAY) * DAY_MS
-
-
-def say(line: str) -> None:
-    sys.stdout.write(line + "\n")
-    sys.stdout.flush()
 
 
 def world(places: int, at_once: int = 1000) -> Iterator[Batch]:
