@@ -42,8 +42,8 @@ class Emptied:
         if self.record is None:
             return None
         pipeline = dict(self.record["pipeline"])
-        if "categories" in pipeline:
-            for counted in ("categories", "others"):
+        for counted in ("categories", "others"):  # not of every profile and release
+            if counted in pipeline:
                 kinds = pipeline[counted]
                 pipeline[counted] = {c: n for c, n in kinds.items() if c not in gone_categories}
         if "compared" in pipeline:

@@ -13,6 +13,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from assistant.lexicon import VocabularyLexicon
+from d3a.checkpoint import pack, unpack
 from d3a.cutting import Slice
 from d3a.forgetting import ForgetPlan, forget, people, plan_forgetting
 from d3a.forgotten import FORGOTTEN, UNSCRUBBED, Selection
@@ -195,6 +196,17 @@ def test_people_go_by_every_word_for_them() -> None:
     assert left
     assert sighting.start_ms not in {s.start_ms for s in left}
     assert "person" not in (store.meta("categories") or ())
+
+
+@pytest.mark.parametrize("cut", [None, 17])
+def test_a_store_that_an_earlier_release_filled_forgets_too(cut: int | None) -> None:
+    store = OracleStore()
+    filled(store, cut=cut)
+    record, arrays = unpack(store.state() or b"")
+    del record["pipeline"]["others"], record["pipeline"]["recall"]["asleep"]
+    store.apply(Batch(state=pack(record, arrays)))
+    forgotten(store, Selection(object_ids=ids_of(store, "cup")))
+    assert not ids_of(store, "cup")
 
 
 def test_nothing_named_is_refused_and_nothing_found_is_empty() -> None:
