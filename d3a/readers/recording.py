@@ -62,7 +62,7 @@ class RecordingReader:
 
     def __init__(self, folder: Path, *, zone: str | None = None) -> None:
         self._folder = folder
-        self.skipped = Skipped()
+        self.skipped, self._left_out = Skipped(), Skipped()
         self._record = self._read_facts()
         self._camera = _camera(self._record.get("camera"))
         embedding = self._record.get("embedding")
@@ -77,7 +77,7 @@ class RecordingReader:
             embedding_model=str(embedding.get("name")) if embedding else None,
             now=self._now(),
             regions=_regions(self._record.get("regions") or ()),
-            map=self._map(Skipped()),
+            map=self._map(self._left_out),
         )
 
     def _map(self, skipped: Skipped) -> Json | None:
@@ -114,7 +114,7 @@ class RecordingReader:
         """Yield frames in the file's order; the ingest counts those that go back in time."""
         self.skipped = Skipped()
         parsing.warn_unknown(self._record, FACTS_KNOWN, FACTS, self.skipped)
-        self._map(self.skipped)
+        self.skipped.join(self._left_out)
         rows = self._detections()
         for number, record in parsing.json_lines(self._folder / FRAMES, self.skipped):
             parsing.warn_unknown(record, FRAME_KNOWN, FRAMES, self.skipped)

@@ -65,7 +65,7 @@ class RecordingFollower(recording.RecordingReader):
         self.skipped = Skipped()
         self._begin()
         parsing.warn_unknown(self._record, recording.FACTS_KNOWN, recording.FACTS, self.skipped)
-        self._map(self.skipped)
+        self.skipped.join(self._left_out)
         while not self._patience.should_stop():
             has_more = self._look()
             gave = False
