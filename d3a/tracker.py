@@ -74,7 +74,7 @@ class TrackerPipeline:
         seen: list[tuple[Known, Place]] = []
         moved: list[tuple[int, Place]] = []
         for i, match in enumerate(matches):
-            thing, place = match if match is not None else self._born(observed, i, scene.ref)
+            thing, place = match if match is not None else self._born(scene.ref)
             if match is None:
                 thing.places[0].doubt = self._doubts.odds(said[i])
                 self._doubtful.add(thing.number)
@@ -101,7 +101,7 @@ class TrackerPipeline:
         back = self._recall.fetch(observed.places, observed.noise, shared, scene.ref.time_ms)
         self._doubtful.update(thing.number for thing in back if self._is_doubtful(thing))
 
-    def _born(self, observed: Observed, i: int, ref: FrameRef) -> tuple[Known, Place]:
+    def _born(self, ref: FrameRef) -> tuple[Known, Place]:
         thing = Known(self._next_number, {}, ref.time_ms, ref.time_ms)
         self._next_number += 1
         place = Place(0, ref.time_ms, ref.time_ms)
