@@ -72,26 +72,19 @@ def colour_words(store: Store, things: Sequence[ObjectRecord]) -> dict[str, list
     """
     import numpy as np
 
-    from d3a.colours import BASIC, Appearances, carries_histogram, histograms
+    from d3a.colours import BASIC
     from d3a.facts import Facts
 
-    seen = [
-        t
-        for t in things
-        if t.embedding is not None and carries_histogram(t.embedding_model, len(t.embedding))
-    ]
-    if not seen:
+    looks = Facts(store).looks(things)
+    if looks is None:
         return {}
-    looks = histograms(np.stack([t.embedding for t in seen if t.embedding is not None]))
-    views = np.array([t.weight for t in seen])
-    appearances = Appearances.of(looks, Facts(store).palette(), views)
-    verdicts = [appearances.judge([term]) for term in BASIC]
+    verdicts = [looks.of_rows.judge([term]) for term in BASIC]
     probability = np.stack([verdict.probability for verdict in verdicts], axis=1)
     tenable = np.stack([verdict.tenable for verdict in verdicts], axis=1)
     order = np.argsort(-probability, axis=1, kind="stable")[:, :2]
     return {
-        thing.object_id: [BASIC[i] for i in order[row] if tenable[row, i]]
-        for row, thing in enumerate(seen)
+        things[at].object_id: [BASIC[i] for i in order[row] if tenable[row, i]]
+        for row, at in enumerate(looks.rows.tolist())
     }
 
 
