@@ -33,7 +33,6 @@ SAMPLES = 16
 """So many frames, spread over the recording, have their pictures decoded."""
 GAP_STEPS = 10
 """A pause is a gap from so many usual (median) steps on."""
-NAMED_GAPS = 5
 
 
 @dataclass(frozen=True, slots=True)
