@@ -123,6 +123,17 @@ class LazyGroup(click.Group):
         return status if isinstance(status, int) else ExitCode.OK
 
 
+def _say_version(context: click.Context, _: click.Parameter, wanted: bool) -> None:
+    """Print the version, as `doctor` names it: a source tree that is not installed has none."""
+    if not wanted or context.resilient_parsing:
+        return
+    from assistant.commands.doctor import versions
+
+    name, version = next(versions())
+    click.echo(f"{name} {version}" if version == "not installed" else f"{name}, version {version}")
+    context.exit()
+
+
 @click.group(
     cls=LazyGroup,
     name="d3a",
@@ -130,7 +141,14 @@ class LazyGroup(click.Group):
     context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
     epilog="Options may stand before or after the command. Without a command the chat opens.",
 )
-@click.version_option(package_name="d3a", prog_name="d3a")
+@click.option(
+    "--version",
+    is_flag=True,
+    is_eager=True,
+    expose_value=False,
+    callback=_say_version,
+    help="Show the version and exit.",
+)
 @settings_options
 @click.pass_context
 def main(context: click.Context) -> None:

@@ -11,6 +11,7 @@ import sys
 import time
 from collections.abc import Callable
 from datetime import UTC, datetime
+from importlib.metadata import PackageNotFoundError
 from pathlib import Path
 from typing import Any
 
@@ -554,3 +555,16 @@ def test_a_failing_store_gives_a_record_a_question(run: Run, tmp_path: Path) -> 
     answers = records(asked)
     assert asked.exit_code == 1
     assert [(r["id"], r["status"]) for r in answers] == [(None, "error"), ("b", "error")]
+
+
+def test_the_version_of_a_tree_that_is_not_installed(
+    run: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def missing(name: str) -> str:
+        raise PackageNotFoundError(name)
+
+    monkeypatch.setattr("assistant.commands.doctor.version", missing)
+    result = run("--version")
+    assert (result.exit_code, result.output) == (0, "d3a not installed\n")
+    monkeypatch.setattr("assistant.commands.doctor.version", lambda name: "7.1")
+    assert run("--version").output == "d3a, version 7.1\n"
