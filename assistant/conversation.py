@@ -17,6 +17,7 @@ from assistant.asking import ask, ask_query, explain, failure, refusal, store_wo
 from assistant.dialogue import Seen, follow, is_about_the_same, is_beside
 from assistant.phrases import definite, noun_of, numbered, tells_nothing, term_of
 from assistant.pointing import (
+    NOTHING_SHOWN,
     AskedOf,
     Chosen,
     NotThis,
@@ -94,8 +95,8 @@ class Conversation:
         teaching = None if looks_formal(text) else read_teaching(text)
         if teaching is not None:
             return self._offering(self._teach(text, teaching))
-        pointing = read_pointing(text) if shown(self._said.answer) else None
-        if pointing is not None:
+        pointing = read_pointing(text)
+        if pointing is not None and self._is_of_rows(pointing):
             return self._offering(self._point(text, pointing))
         return self._offering(self._question(text))
 
@@ -198,12 +199,20 @@ class Conversation:
 
     # words about the rows
 
+    def _is_of_rows(self, pointing: Pointing) -> bool:
+        """Whether a saying is about the list: the one shown, one used up, or none yet."""
+        said = self._said
+        if shown(said.answer):
+            return True
+        if isinstance(pointing, AskedOf):
+            return said.last is None and pointing != AskedOf("when", None)
+        return said.last is None or bool(said.refused)
+
     def _point(self, text: str, pointing: Pointing) -> Answer:
         rows = shown(self._said.answer)
         match pointing:
             case NotThis():
-                row = self._row(pointing.row)
-                return self._no_row(text) if row is None else self._refuse(text, row)
+                return self._refuse(text, self._row(pointing.row))
             case Chosen():
                 row = self._row(pointing.row)
                 if pointing.step:
@@ -226,15 +235,21 @@ class Conversation:
 
     def _no_row(self, text: str) -> Answer:
         count = len(shown(self._said.answer))
-        words = "There is one in the list." if count == 1 else f"There are {count} in the list."
+        if self._said.last is None:
+            return self._beside_rows(text, f"There is no list yet. {NOTHING_SHOWN}", "not_found")
+        words = (
+            "There is one in the list."
+            if count == 1
+            else f"There are {count or 'none'} in the list."
+        )
         return self._beside_rows(text, f"There is no such row. {words}", "not_found")
 
-    def _refuse(self, text: str, row: RankedKeyframe) -> Answer:
-        """Answer the question again without a thing that is not meant."""
-        refused = (*self._said.refused, row)
+    def _refuse(self, text: str, row: RankedKeyframe | None) -> Answer:
+        """Answer the question again without a thing that is not meant; None where all were said."""
         last = self._said.last
-        if last is None:
+        if last is None or (row is None and (shown(self._said.answer) or not self._said.refused)):
             return self._no_row(text)
+        refused = self._said.refused if row is None else (*self._said.refused, row)
         answer = ask_query(self._store, last, now=self._now())
         if answer.status == "error":
             return replace(answer, text=text, suggestions=(text,))
@@ -255,8 +270,7 @@ class Conversation:
             return replace(failure(text, error), suggestions=(text,))
         if learned is None:
             assert isinstance(teaching, Naming)  # of the others each has something to say
-            row = scene.row(teaching.row)
-            return self._no_row(text) if row is None else self._refuse(text, row)
+            return self._refuse(text, scene.row(teaching.row))
         if isinstance(teaching, Boxing):
             self.pointer.box = teaching.box if learned.done else None
         elif learned.done:

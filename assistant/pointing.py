@@ -23,6 +23,7 @@ _LONG = timedelta(minutes=1)
 """A sighting of less is told by its end alone."""
 ONE_PLACE_M = 1.0
 """Looks at a thing that are not farther apart are of one place: positions are that uncertain."""
+NOTHING_SHOWN = "Ask where it is first: then I know which one you mean."
 _THAT = r"(?:this|that|these|those)(?: ones?)?"
 _WRONG = re.compile(
     rf"(?:no,? )?(?:(?:it is |it's |that is |that's )?not (?P<a>{_THAT}|it|them|{ROW})"

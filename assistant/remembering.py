@@ -12,7 +12,7 @@ from datetime import datetime
 
 from assistant.english import article, counted, listed
 from assistant.phrases import kind_of, whose
-from assistant.pointing import find_row, same_place
+from assistant.pointing import NOTHING_SHOWN, find_row, same_place
 from assistant.taught import (
     Boxing,
     Difference,
@@ -40,7 +40,6 @@ ROOM_M, SPOT_M = 2.0, 1.0
 SAME_BOX = 0.5
 """Two boxes that share more than this are of one thing."""
 BACK = "“undo” takes it back"
-NOTHING_SHOWN = "Ask where it is first: then I know which one you mean."
 
 
 @dataclass(frozen=True, slots=True)
