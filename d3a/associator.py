@@ -201,15 +201,12 @@ class Associator:
         self._pipeline.observe(scene)
         self._categories.update(d.category for d in scene.detections)
         old = self.record
-        self.record = replace(
-            old,
-            frames=old.frames + 1,
-            detections=old.detections + len(scene.detections),
-            first_ms=ref.time_ms if old.first_ms is None else old.first_ms,
-            last_ms=ref.time_ms,
-            last_frame=ref.name,
-            done=False,
-        )
+        self.record = RecordingRecord(  # `replace` takes four times as long
+            old.key, old.name, old.site, old.zone, old.frames + 1,
+            old.detections + len(scene.detections),
+            ref.time_ms if old.first_ms is None else old.first_ms,
+            ref.time_ms, ref.name, False, old.skipped,
+        )  # fmt: skip
 
     def has_news(self) -> bool:
         """Say whether people spoke since the last checkpoint: then the next one is due.

@@ -2,22 +2,21 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from d3a.parameters import Parameters
-from d3a.symmetric import Six, Triple, Vector, inverse, product, squared, times
+from d3a.symmetric import Matrix, Six, Triple, Vector, inverse, product, squared
 
 
-@dataclass(frozen=True, slots=True)
-class Pulled:
+class Pulled(NamedTuple):
     """A place after a view: its means, the covariance of both, and how far off the view was.
 
     error: xx xy xz yy yz zz. squared: in sigmas.
     """
 
-    mean: list[float]
-    raw: list[float]
-    error: Six
+    mean: Triple
+    raw: Triple
+    error: Matrix
     squared: float
 
 
@@ -33,27 +32,31 @@ def pulled(
     known: its mean, raw mean, error, and the spread that its views are expected to have. where: in
     the frame; offset: how far the frame is off; noise: what a view errs by, without the surface.
     """
-    mean, raw, error, spread = known
-    away = [w - o - m for w, o, m in zip(where, offset, mean, strict=True)]
-    off = squared(inverse([n + s for n, s in zip(noise, spread, strict=True)]), away)
+    (mx, my, mz), (rx, ry, rz), error, (sxx, sxy, sxz, syy, syz, szz) = known
+    (wx, wy, wz), (ox, oy, oz), (xx, xy, xz, yy, yz, zz) = where, offset, noise
+    away = wx - ox - mx, wy - oy - my, wz - oz - mz
+    expected = xx + sxx, xy + sxy, xz + sxz, yy + syy, yz + syz, zz + szz
+    off = squared(inverse(expected), away)
     dof = parameters.outlier_dof
     weight = min(1.0, (dof + 3) / (dof + off))
     surface = parameters.object_spread_m**2
-    xx, xy, xz, yy, yz, zz = noise
-    views = [(n + s) / weight for n, s in ((xx, surface), (xy, 0.0), (xz, 0.0))]
-    views += [(n + s) / weight for n, s in ((yy, surface), (yz, 0.0), (zz, surface))]
-    gain = product(error, inverse([e + v for e, v in zip(error, views, strict=True)]))
-    rest = [w - r for w, r in zip(where, raw, strict=True)]
-    (lxx, lxy, lxz), (_, lyy, lyz), (_, _, lzz) = (times(error, row) for row in gain)
-    less = (lxx, lxy, lxz, lyy, lyz, lzz)
-    return Pulled(
-        _moved(mean, gain, away),
-        _moved(raw, gain, rest),
-        [old - by for old, by in zip(error, less, strict=True)],
-        off,
-    )
+    a, b, c, d, e, f = error
+    views = (
+        a + (xx + surface) / weight, b + xy / weight, c + xz / weight,
+        d + (yy + surface) / weight, e + yz / weight, f + (zz + surface) / weight,
+    )  # fmt: skip
+    gain = product(error, inverse(views))
+    (px, py, pz), (qx, qy, qz), (tx, ty, tz) = gain
+    less = (
+        a - (px * a + py * b + pz * c), b - (px * b + py * d + pz * e),
+        c - (px * c + py * e + pz * f), d - (qx * b + qy * d + qz * e),
+        e - (qx * c + qy * e + qz * f), f - (tx * c + ty * e + tz * f),
+    )  # fmt: skip
+    mean = _moved((mx, my, mz), gain, away)
+    return Pulled(mean, _moved((rx, ry, rz), gain, (wx - rx, wy - ry, wz - rz)), less, off)
 
 
-def _moved(mean: Vector, gain: tuple[Triple, Triple, Triple], away: Vector) -> list[float]:
-    x, y, z = away
-    return [m + a * x + b * y + c * z for m, (a, b, c) in zip(mean, gain, strict=True)]
+def _moved(mean: Triple, gain: tuple[Triple, Triple, Triple], away: Triple) -> Triple:
+    (mx, my, mz), (x, y, z) = mean, away
+    (a, b, c), (d, e, f), (g, h, i) = gain
+    return mx + a * x + b * y + c * z, my + d * x + e * y + f * z, mz + g * x + h * y + i * z

@@ -88,18 +88,27 @@ class LookModel:
 
     def __init__(self, parameters: Parameters) -> None:
         self._parameters = parameters
-        # (bins, SAME | OTHER | BESIDE, count | mean | summed squared deviations)
-        self.sums = np.zeros((len(LOOK_BINS) + 1, 3, 3))
-        mean = (parameters.look_same, parameters.look_other, parameters.look_beside)
-        self.sums[:, :, 0] = parameters.look_prior
-        self.sums[:, :, 1] = mean
-        self.sums[:, :, 2] = parameters.look_prior * parameters.look_sigma**2
+        count, squares = parameters.look_prior, parameters.look_prior * parameters.look_sigma**2
+        means = (parameters.look_same, parameters.look_other, parameters.look_beside)
+        # plain numbers, as they are taken one by one
+        self._sums = [[[count, mean, squares] for mean in means] for _ in range(len(LOOK_BINS) + 1)]
+
+    @property
+    def sums(self) -> Floats:
+        """(bins, SAME | OTHER | BESIDE, count | mean | summed squared deviations)."""
+        return np.array(self._sums)
+
+    @sums.setter
+    def sums(self, sums: Floats) -> None:
+        self._sums = sums.tolist()
 
     def add(self, kind: int, likeness: float, views: float) -> None:
         """Learn from a pair; views: of the mean look. kind: SAME, OTHER or BESIDE."""
-        row = self.sums[bisect(LOOK_BINS, views), kind]
+        row = self._sums[bisect(LOOK_BINS, views)][kind]
         if row[0] >= self._parameters.look_memory:
-            row[[0, 2]] *= 1.0 - 1.0 / row[0]
+            keep = 1.0 - 1.0 / row[0]
+            row[0] *= keep
+            row[2] *= keep
         row[0] += 1.0
         delta = likeness - row[1]
         row[1] += delta / row[0]
@@ -121,10 +130,9 @@ class LookModel:
 
         Both by kind.
         """
-        sums: list[list[list[float]]] = self.sums.tolist()
         slopes: list[list[float]] = [[] for _ in kinds]
         evens: list[list[float]] = [[] for _ in kinds]
-        for rows in sums:  # so few numbers go quicker one by one
+        for rows in self._sums:  # so few numbers go quicker one by one
             n, same, squares = rows[SAME]
             for kind, slope, even in zip(kinds, slopes, evens, strict=True):
                 m, other, more = rows[kind]

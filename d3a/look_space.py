@@ -20,6 +20,10 @@ same scale serves, as one view in a thousand changes nothing."""
 FLOOR = 0.05
 """Share of the mean variance that each part has at least: no part is exactly repeatable."""
 
+THREADED = 1 << 18
+"""Multiplications from which on OpenBLAS shares a product among threads: on a busy machine that
+costs fifty times what it saves."""
+
 
 class LookSpace:
     """Scales features so that their cosine compares what tells things apart.
@@ -98,3 +102,18 @@ class LookSpace:
         scale = 1.0 + trust * (learned - 1.0)
         self.scale = np.stack([trust * centre, scale]).astype(np.float32)
         self.scaled_at = total + within
+
+
+def cosines(looks: Features, units: Features, rows: NDArray[np.intp]) -> Floats:
+    """Return the products (n, k) of looks (n, d) with some rows (k,) of others (m, d).
+
+    In parts so small that one thread does them.
+    """
+    step = max(1, THREADED // max(looks.size, 1))
+    if len(rows) <= step:
+        return (looks @ units[rows].T).astype(np.float64)
+    found = np.empty((len(looks), len(rows)))
+    for start in range(0, len(rows), step):
+        part = slice(start, start + step)
+        found[:, part] = looks @ units[rows[part]].T
+    return found

@@ -305,23 +305,28 @@ class Matcher:
         """Teach the look model by what place and category (`evidence`) decided without it."""
         least = self._parameters.plain_odds
         speaks = evidence >= 0
-        rivals = (np.add.reduce(speaks, axis=1)[:, None] + np.add.reduce(speaks, axis=0)).tolist()
-        alike, decided = likeness.tolist(), evidence.tolist()
+        mine, its = np.add.reduce(speaks, axis=1).tolist(), np.add.reduce(speaks, axis=0)
+        at = [max(column, 0) for column in taken]
+        rivals, alike, decided = (
+            its[at].tolist(),
+            likeness[:, at].tolist(),
+            evidence[:, at].tolist(),
+        )
         for i, column in enumerate(taken):
             if column < 0 or things[column].seen < self._parameters.confirm_sightings:
                 continue
             thing = things[column]
             for j, other in enumerate(taken):  # the frame's other detections are other things
-                if j == i or math.isnan(alike[j][column]):
+                if j == i or math.isnan(alike[j][i]):
                     continue
                 if other >= 0 and things[other].category == thing.category:
-                    self.looks.add(OTHER, alike[j][column], thing.look_weight)
+                    self.looks.add(OTHER, alike[j][i], thing.look_weight)
                 elif (i, j) in frame.near:
-                    self.looks.add(BESIDE, alike[j][column], thing.look_weight)
+                    self.looks.add(BESIDE, alike[j][i], thing.look_weight)
             # itself speaks for it in its row and in its column
-            is_plain = decided[i][column] >= least and rivals[i][column] == 2
-            if is_plain and not math.isnan(alike[i][column]):
-                self.looks.add(SAME, alike[i][column], thing.look_weight)
+            is_plain = decided[i][i] >= least and mine[i] == rivals[i] == 1
+            if is_plain and not math.isnan(alike[i][i]):
+                self.looks.add(SAME, alike[i][i], thing.look_weight)
                 mean = self._memory.looks.row(thing)
                 self.space.add_same(frame.observed.looks[i], mean, thing.look_weight)
 
@@ -373,10 +378,9 @@ class Matcher:
         positions = self._memory.positions
         scale, mean = self._scale(pose), self.offset.mean.tolist()
         shared = of_rows(self.offset.covariance.ravel().tolist())
+        nine, places = observed.noise.reshape(-1, 9).tolist(), observed.places.tolist()
         for i, place in pairs:
-            own = of_rows(observed.noise[i].ravel().tolist())
-            noise = [n * scale + o for n, o in zip(own, shared, strict=True)]
-            where = observed.places[i].tolist()
-            squared = positions.pull(place.row, where, mean, noise, self._parameters)
+            noise = [n * scale + o for n, o in zip(of_rows(nine[i]), shared, strict=True)]
+            squared = positions.pull(place.row, places[i], mean, noise, self._parameters)
             if pose is not None and squared <= self._parameters.noise_gate:
                 self.residuals += (squared / 3, 1)

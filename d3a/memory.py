@@ -5,6 +5,7 @@ What the robot left behind leaves them too, whole, and comes back as it went.
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -15,9 +16,9 @@ from numpy.typing import NDArray
 
 from d3a.kalman import pulled
 from d3a.known import Known, Place
-from d3a.look_space import LookSpace
+from d3a.look_space import LookSpace, cosines
 from d3a.parameters import Parameters
-from d3a.symmetric import Six, Vector, of_rows
+from d3a.symmetric import Matrix, Six, Vector, of_rows
 
 Floats = NDArray[np.float64]
 SCALE_PRIOR = 4.0
@@ -27,13 +28,10 @@ SCALE_LEAST, SCALE_MOST = 0.5, 9.0
 
 
 class Row(NamedTuple):
-    """What `Positions` holds of a place: columns (9,), raw (3,), error and spread (3, 3), scale."""
+    """What `Positions` holds of a place: columns (9,) and record (11,), as they are there."""
 
     columns: Floats
-    raw: Floats
-    error: Floats
-    spread: Floats
-    scale: Floats
+    record: Floats
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,10 +52,7 @@ class Positions:
         self._size = 64
         self._order = np.empty((2, 64), dtype=np.int64)
         self._columns = np.empty((9, 64))
-        self._raw = np.empty((64, 3))
-        self._error = np.empty((64, 3, 3))
-        self._spread = np.empty((64, 3, 3))
-        self._scale = np.empty((64, 2))
+        self._records = np.empty((64, 11))
 
     @property
     def placed(self) -> int:
@@ -93,41 +88,38 @@ class Positions:
     @property
     def raw(self) -> Floats:
         """(k, 3): the same without alignment: unbiased where drift is, and what is reported."""
-        return self._raw[: len(self.owners)]
+        return self._records[: len(self.owners), RAW]
 
     @property
     def error(self) -> Floats:
-        """(k, 3, 3): covariance of the mean, without the correction by what is seen."""
-        return self._error[: len(self.owners)]
-
-    @property
-    def spread(self) -> Floats:
-        """(k, 3, 3): how far from the mean its views are expected, own noise of a view aside."""
-        return self._spread[: len(self.owners)]
+        """(k, 6): covariance of the mean, without the correction by what is seen."""
+        return self._records[: len(self.owners), ERROR]
 
     @property
     def scale(self) -> Floats:
         """(k, 2): summed normalised squared residuals, and their number."""
-        return self._scale[: len(self.owners)]
+        return self._records[: len(self.owners), SCALE]
+
+    def spread(self, row: int) -> tuple[float, ...]:
+        """Return (9,): how far from the mean its views are expected, own noise of a view aside."""
+        xx, xy, xz, yy, yz, zz = self._columns[3:, row].tolist()
+        return xx, xy, xz, xy, yy, yz, xz, yz, zz
 
     def add(self, thing: Known, place: Place, mean: Floats, raw: Floats, error: Floats) -> None:
-        """Add a place; its spread is set by `respread`."""
+        """Add a place; error: (3, 3). Its spread is set by `respread`."""
         self._append(thing, place)
-        self._columns[:3, place.row], self._raw[place.row] = mean, raw
-        self._error[place.row], self._scale[place.row] = error, 0.0
+        record = self._records[place.row]
+        self._columns[:3, place.row], record[RAW], record[SCALE] = mean, raw, 0.0
+        record[ERROR] = of_rows(error.ravel().tolist())
 
     def row(self, place: Place) -> Row:
         """Return what is known of a place."""
-        k = place.row
-        arrays = (self._raw[k], self._error[k], self._spread[k], self._scale[k])
-        return Row(self._columns[:, k].copy(), *(array.copy() for array in arrays))
+        return Row(self._columns[:, place.row].copy(), self._records[place.row].copy())
 
     def put_back(self, thing: Known, place: Place, row: Row) -> None:
         """Add a place with all that was known of it."""
         self._append(thing, place)
-        k = place.row
-        self._columns[:, k], self._raw[k] = row.columns, row.raw
-        self._error[k], self._spread[k], self._scale[k] = row.error, row.spread, row.scale
+        self._columns[:, place.row], self._records[place.row] = row.columns, row.record
 
     def _append(self, thing: Known, place: Place) -> None:
         place.row = len(self.owners)
@@ -139,26 +131,14 @@ class Positions:
                 np.concatenate([array, np.empty_like(array)], axis=1)
                 for array in (self._columns, self._order)
             )
-            self._raw, self._error, self._spread, self._scale = (
-                np.concatenate([array, np.empty_like(array)])
-                for array in (self._raw, self._error, self._spread, self._scale)
-            )
+            self._records = np.concatenate([self._records, np.empty_like(self._records)])
         self._order[:, place.row] = place.number, thing.number
 
     def respread(self, rows: Iterable[int], parameters: Parameters) -> None:
         """Set the spread of some rows from their error and how well that predicted the views."""
         for row in rows:
-            self._spread_out(row, parameters)
-
-    def _spread_out(self, row: int, parameters: Parameters) -> None:
-        off, seen = self._scale[row].tolist()
-        factor = min(max((SCALE_PRIOR + off) / (SCALE_PRIOR + seen), SCALE_LEAST), SCALE_MOST)
-        surface = parameters.object_spread_m**2
-        xx, xy, xz, yx, yy, yz, zx, zy, zz = self._error[row].ravel().tolist()
-        xx, yy, zz = xx + surface, yy + surface, zz + surface
-        flat = [factor * each for each in (xx, xy, xz, yx, yy, yz, zx, zy, zz)]
-        self._spread[row].reshape(9)[:] = flat
-        self._columns[3:, row] = of_rows(flat)
+            record = self._records[row].tolist()
+            self._columns[3:, row] = _spread(record[ERROR], record[SCALE], parameters)
 
     def pull(
         self, row: int, where: Vector, offset: Vector, noise: Six, parameters: Parameters
@@ -167,15 +147,13 @@ class Positions:
 
         See `kalman.pulled`.
         """
-        mean, spread = self._columns[:3, row].tolist(), self._columns[3:, row].tolist()
-        error = of_rows(self._error[row].ravel().tolist())
-        known = mean, self._raw[row].tolist(), error, spread
+        columns, record = self._columns[:, row].tolist(), self._records[row].tolist()
+        known = columns[:3], record[RAW], record[ERROR], columns[3:]
         new = pulled(known, where, offset, noise, parameters)
-        self._columns[:3, row], self._raw[row] = new.mean, new.raw
-        xx, xy, xz, yy, yz, zz = new.error
-        self._error[row] = ((xx, xy, xz), (xy, yy, yz), (xz, yz, zz))
-        self._scale[row] += (min(new.squared, parameters.gate_sigmas**2) / 3, 1.0)
-        self._spread_out(row, parameters)
+        off, seen = record[SCALE]
+        scale = off + min(new.squared, parameters.gate_sigmas**2) / 3, seen + 1.0
+        self._columns[:, row] = (*new.mean, *_spread(new.error, scale, parameters))
+        self._records[row] = (*new.raw, *new.error, *scale)
         return new.squared
 
     def give(self, place: Place, thing: Known) -> None:
@@ -197,8 +175,7 @@ class Positions:
         if last[1] is not place:
             self._columns[:, place.row] = self._columns[:, last[1].row]
             self._order[:, place.row] = self._order[:, last[1].row]
-            for array in (self._raw, self._error, self._spread, self._scale):
-                array[place.row] = array[last[1].row]
+            self._records[place.row] = self._records[last[1].row]
             last[1].row = place.row
             self.owners[place.row] = last
         place.row = -1
@@ -206,6 +183,20 @@ class Positions:
 
 _DIAGONAL = np.array([3, 6, 8])
 """Of the columns."""
+RAW, ERROR, SCALE = slice(0, 3), slice(3, 9), slice(9, 11)
+"""Of a record: the raw mean, xx xy xz yy yz zz of the error, and the residuals."""
+
+
+def _spread(error: Six, scale: Vector, parameters: Parameters) -> Matrix:
+    """Return the spread of a place from its error and how well that predicted its views."""
+    off, seen = scale
+    factor = min(max((SCALE_PRIOR + off) / (SCALE_PRIOR + seen), SCALE_LEAST), SCALE_MOST)
+    surface = parameters.object_spread_m**2
+    xx, xy, xz, yy, yz, zz = error
+    return (
+        factor * (xx + surface), factor * xy, factor * xz,
+        factor * (yy + surface), factor * yz, factor * (zz + surface),
+    )  # fmt: skip
 
 
 class Looks:
@@ -232,7 +223,7 @@ class Looks:
         units = space.of(np.concatenate([seen, self._matrix[stale]]) if len(stale) else seen)
         self._units[stale] = units[count:]
         self._stale[stale] = False
-        return (units[:count] @ self._units[rows].T).astype(np.float64)
+        return cosines(units[:count], self._units, rows)
 
     def unit(self, thing: Known, space: LookSpace) -> NDArray[np.float32]:
         """Return what `space.of` makes of the feature of a thing (d,), until the next change."""
@@ -293,7 +284,7 @@ class Looks:
             self._matrix = np.zeros((len(self._matrix), len(look)), dtype=np.float32)
         mean = self._matrix[thing.row] * np.float32(min(thing.look_weight, most))
         mean += look * np.float32(weight)
-        length = float(np.sqrt(mean @ mean))
+        length = math.sqrt(mean @ mean)
         self._put(thing.row, mean / np.float32(length) if length > 0 else 0.0)
         thing.look_weight += weight
 

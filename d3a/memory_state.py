@@ -9,11 +9,12 @@ import numpy as np
 
 from d3a.checkpoint import Arrays, stacked
 from d3a.known import Known, Place
-from d3a.memory import Memory, Whole
+from d3a.memory import ERROR, RAW, SCALE, Memory, Whole
 from d3a.model import Json
 from d3a.parameters import Parameters
 from d3a.sightings import Interval
 from d3a.store.base import TaughtName
+from d3a.symmetric import FULL
 
 _PLACE = tuple(f.name for f in fields(Place) if f.name not in ("open", "row"))
 _OWN = ("names", "places", "row", "votes", "met")
@@ -24,11 +25,12 @@ def memory_state(wholes: Iterable[Whole]) -> tuple[Json, Arrays]:
     """Return things as JSON, and their arrays in the same order."""
     known = list(wholes)
     rows = [row for each in known for _, row in each.rows]
+    records = np.array([row.record for row in rows]).reshape(-1, 11)
     arrays: Arrays = {
         "looks": stacked([each.look for each in known]),
-        "means": np.array([(row.columns[:3], row.raw) for row in rows]).reshape(-1, 2, 3),
-        "errors": np.array([row.error for row in rows]).reshape(-1, 3, 3),
-        "scales": np.array([row.scale for row in rows]).reshape(-1, 2),
+        "means": np.array([(row.columns[:3], row.record[RAW]) for row in rows]).reshape(-1, 2, 3),
+        "errors": records[:, ERROR][:, FULL].reshape(-1, 3, 3),
+        "scales": records[:, SCALE],
     }
     return {"things": [_thing_json(each) for each in known]}, arrays
 

@@ -23,6 +23,7 @@ from d3a.neighbours import Neighbours
 from d3a.parameters import Parameters
 from d3a.sightings import Interval, joined
 from d3a.store.base import StayKey
+from d3a.symmetric import FULL, of_rows
 
 Floats = NDArray[np.float64]
 
@@ -175,10 +176,10 @@ def _join_positions(place: Place, lost: Place, memory: Memory, parameters: Param
     """Average both positions by what is known of each."""
     positions = memory.positions
     a, b = place.row, lost.row
-    precision = np.linalg.inv(positions.error[a]), np.linalg.inv(positions.error[b])
+    precision = np.linalg.inv(positions.error[[a, b]][:, FULL].reshape(2, 3, 3))
     error = np.linalg.inv(precision[0] + precision[1])
     for means in (positions.mean, positions.raw):
         means[a] = error @ (precision[0] @ means[a] + precision[1] @ means[b])
-    positions.error[a] = error
+    positions.error[a] = of_rows(error.ravel().tolist())
     positions.scale[a] += positions.scale[b]
     positions.respread([a], parameters)

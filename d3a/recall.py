@@ -19,7 +19,7 @@ from d3a.checkpoint import Arrays
 from d3a.known import Known, Place
 from d3a.ledger import Ledger
 from d3a.likelihood import VARIANCES
-from d3a.memory import Memory, Whole
+from d3a.memory import RAW, Memory, Whole
 from d3a.memory_state import memory_of_state, memory_state
 from d3a.model import Json
 from d3a.outside import Outside
@@ -107,7 +107,7 @@ class Recall:
         if place.row >= 0:
             x, y, z = self._memory.positions.raw[place.row].tolist()
             position = (x, y, z)
-            covariance = tuple(self._memory.positions.spread[place.row].ravel().tolist())
+            covariance = self._memory.positions.spread(place.row)
         return StayRecord(
             object_id=thing.object_id,
             place=place.number,
@@ -155,7 +155,7 @@ class Recall:
     def _remember_whole(self, whole: Whole) -> None:
         object_id = whole.thing.object_id
         for _, row in whole.rows:
-            x, y, z = row.raw.tolist()
+            x, y, z = row.record[RAW].tolist()
             self._index.add(object_id, (x, y, z), row.columns[VARIANCES + 3].tolist())
         if len(whole.rows) < len(whole.thing.places):
             self._index.add(object_id, None, ())

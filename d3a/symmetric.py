@@ -12,6 +12,8 @@ Vector = Sequence[float]
 Six = Sequence[float]
 Triple = tuple[float, float, float]
 Matrix = tuple[float, float, float, float, float, float]
+FULL = [0, 1, 2, 1, 3, 4, 2, 4, 5]
+"""Of the six numbers, those of the matrix row by row."""
 LEAST_M2, FLAT = 1e-9, 1e-6
 """What is added along each axis of a matrix that has no inverse, and the share of its largest
 number, if that is more: a robot on wheels says that its height is exact."""
