@@ -126,14 +126,23 @@ def _mean(a: _Numbers | None, weight_a: float, b: _Numbers | None, weight_b: flo
     return tuple(x * share + y * (1 - share) for x, y in zip(a, b, strict=True))
 
 
-def votes_of(record: ObjectRecord) -> dict[str, float]:
-    """Return the weight that each category has of an object."""
-    return dict(record.categories) or {record.category: record.weight}
+def votes_of(*records: ObjectRecord) -> dict[str, float]:
+    """Return the weight that each category has of an object, or of several together."""
+    votes: dict[str, float] = {}
+    for record in records:
+        for category, weight in record.categories or ((record.category, record.weight),):
+            votes[category] = votes.get(category, 0.0) + weight
+    return votes
 
 
 def ranked(votes: Mapping[str, float]) -> tuple[tuple[str, float], ...]:
     """Return votes as a record keeps them: the heaviest first."""
     return tuple(sorted(votes.items(), key=lambda vote: (-vote[1], vote[0])))
+
+
+def heaviest(votes: Mapping[str, float], before: str) -> str:
+    """Return the category with most weight; where it is one of those, what it was before."""
+    return before if votes.get(before, 0.0) >= max(votes.values()) else ranked(votes)[0][0]
 
 
 def mean_look(looks: Sequence[tuple[NDArray[np.float32], float]]) -> NDArray[np.float32] | None:
@@ -146,13 +155,11 @@ def mean_look(looks: Sequence[tuple[NDArray[np.float32], float]]) -> NDArray[np.
 
 
 def _one_object(a: ObjectRecord, b: ObjectRecord) -> ObjectRecord:
-    votes = votes_of(a)
-    for category, weight in votes_of(b).items():
-        votes[category] = votes.get(category, 0.0) + weight
+    votes = votes_of(a, b)
     looks = [(r.embedding, r.weight) for r in (a, b) if r.embedding is not None]
     return replace(
         a,
-        category=a.category if votes[a.category] >= max(votes.values()) else ranked(votes)[0][0],
+        category=heaviest(votes, a.category),
         weight=a.weight + b.weight,
         first_ms=min(a.first_ms, b.first_ms),
         last_ms=max(a.last_ms, b.last_ms),

@@ -11,7 +11,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 from d3a.portion import Portion, relabelled, rename_encounters, renamed
-from d3a.same_thing import Origin, mean_look, ranked, votes_of
+from d3a.same_thing import Origin, heaviest, mean_look, ranked, votes_of
 from d3a.store.base import Encounter, ObjectRecord, Sighting, StayKey, StayRecord
 
 
@@ -182,11 +182,10 @@ class _Parts:
                     votes[category] = max(votes.get(category, 0.0) + gain, 0.0)
             names = [n for n in old.names if n not in lost]
             votes = votes if share > 0 else votes_of(old)
-            heaviest = ranked(votes)[0][0] if votes[old.category] < max(votes.values()) else None
             result.append(
                 replace(
                     old,
-                    category=heaviest or old.category,
+                    category=heaviest(votes, old.category),
                     weight=max(old.weight + (today.weight - was.weight) * share, 0.0),
                     categories=ranked(votes) if old.categories else (),
                     first_ms=min([old.first_ms, *(s.first_ms for s in own)]),
@@ -269,16 +268,12 @@ def _came_again(stay: StayRecord, before: Portion, after: Portion) -> StayRecord
 def _rejoined(
     old: ObjectRecord, after: Portion, today: ObjectRecord, other: ObjectRecord
 ) -> ObjectRecord:
-    votes = votes_of(today)
-    for category, weight in votes_of(other).items():
-        votes[category] = votes.get(category, 0.0) + weight
+    votes = votes_of(today, other)
     looks = [(r.embedding, r.weight) for r in (today, other) if r.embedding is not None]
     grown = today.weight + other.weight > sum(r.weight for r in after.objects.values())
     return replace(
         today,
-        category=old.category
-        if votes.get(old.category) == max(votes.values())
-        else ranked(votes)[0][0],
+        category=heaviest(votes, old.category),
         weight=today.weight + other.weight,
         first_ms=min(today.first_ms, other.first_ms),
         last_ms=max(today.last_ms, other.last_ms),

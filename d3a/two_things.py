@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from d3a.portion import Portion, relabelled, rename_encounters
-from d3a.same_thing import mean_look, ranked, votes_of
+from d3a.same_thing import heaviest, mean_look, ranked, votes_of
 from d3a.store.base import ObjectRecord, Sighting, StayKey, StayRecord, Store
 
 Look = NDArray[np.float32]
@@ -72,13 +72,12 @@ def _object(
     stays: list[StayRecord],
     looks: Mapping[str, Look],
 ) -> ObjectRecord:
-    order = ranked({c: w for c, w in votes.items() if w > 0} or {old.category: weight})
-    still = votes.get(old.category, 0.0) >= order[0][1]
+    held = {c: w for c, w in votes.items() if w > 0} or {old.category: weight}
     return replace(
         old,
         object_id=object_id,
-        category=old.category if still else order[0][0],
-        categories=order,
+        category=heaviest(held, old.category),
+        categories=ranked(held),
         weight=weight,
         first_ms=min(stay.first_ms for stay in stays),
         last_ms=max(stay.last_ms for stay in stays),

@@ -17,7 +17,7 @@ from d3a.corrections import UnknownThing
 from d3a.ingest import ingest
 from d3a.model import BadInput, Frame, Json
 from d3a.parameters import PROFILES, Parameters
-from d3a.store.base import Batch, Store, StoreRefused
+from d3a.store.base import Batch, ObjectRecord, Sighting, StayRecord, Store, StoreRefused
 from tests.worlds.histories import batches
 from tests.worlds.oracle import OracleStore
 from tests.worlds.rounds import ListReader, Thing, circle, rounds
@@ -230,3 +230,20 @@ def test_an_ingest_gets_on_however_often_people_speak(profile: str) -> None:
     words = {name.word for record in store.objects() for name in record.names}
     assert words == {f"name {n + 1}" for n in range(store.spoken)}
     assert store.check() == []
+
+
+def test_a_thing_may_be_called_what_none_of_its_votes_says() -> None:
+    """As a store allows; the votes of both then say what the one thing is."""
+    store = OracleStore()
+    for name, at, weight in (("a", 0, 1.0), ("b", 9, 2.0)):
+        voted = (("mug", weight),)
+        thing = ObjectRecord(name, "cup", weight, at, at, categories=voted)
+        stays = [StayRecord(name, 0, (float(at), 0.0, 0.0), at, at, weight, seen=1)]
+        sightings = [Sighting(name, 0, at, at, "f", 0.9, (0.0, 0.0, 1.0, 1.0), None)]
+        store.apply(Batch(objects=[thing], stays=stays, sightings=sightings))
+    before = store.objects()
+    teaching.merge(store, "a", "b")
+    (one,) = store.objects()
+    assert (one.category, one.categories) == ("mug", (("mug", 3.0),))
+    teaching.undo(store)
+    assert store.objects() == before
