@@ -176,6 +176,11 @@ def draw_floor(
     return canvas.lines(ascii_only=ascii_only)
 
 
+def is_drawable(floor: Floor, marks: Sequence[Mark]) -> bool:
+    """Whether there is anything to draw, however little room there may be for it."""
+    return _bounds(floor, marks) is not None
+
+
 def _name_room(canvas: _Canvas, region: Region) -> None:
     """Write a room's name near its middle, on the nearest row where nothing stands in its way."""
     xs, ys = [x for x, _ in region.polygon], [y for _, y in region.polygon]

@@ -12,7 +12,7 @@ from textual.widget import Widget
 
 from assistant.session import told
 from assistant.terminal import clean, shorten
-from assistant.ui.floor import Floor, draw_floor, marks_of
+from assistant.ui.floor import Floor, draw_floor, is_drawable, marks_of
 from assistant.wording import more_words, short_time
 
 if TYPE_CHECKING:
@@ -44,6 +44,9 @@ def exchange(answer: Answer) -> Text:
     return text.append("".join(f"\n{note}" for note in notes), style="not dim")
 
 
+NO_POSITIONS = "no map: this memory holds no positions"
+
+
 class FloorView(Widget):
     """The map: rooms, the numbered places of the answer, the robot."""
 
@@ -57,8 +60,17 @@ class FloorView(Widget):
         legend = legend_lines(self.floor, [mark.label for mark in marks], columns)
         lines = draw_floor(self.floor, marks, columns, max(rows - len(legend), 0))
         if not lines:
-            return Text("no map: this memory holds no positions", style="dim")
+            drawable = is_drawable(self.floor, marks)
+            words = self._where_instead() if drawable else NO_POSITIONS
+            return Text(words, style="dim")
         return Text("\n".join([*lines, *legend][:rows]), no_wrap=True)
+
+    def _where_instead(self) -> str:
+        """Return what to do where the pane is too small: the key that shows the map large."""
+        for each in self.screen.active_bindings.values():
+            if each.binding.action == "map":
+                return f"Map: {self.app.get_key_display(each.binding).capitalize()}"
+        return "Please make the window larger."
 
 
 def legend_lines(floor: Floor, labels: Sequence[str], columns: int) -> list[str]:

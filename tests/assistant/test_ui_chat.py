@@ -467,6 +467,17 @@ async def test_an_unknown_word_after_a_slash_names_the_known_ones() -> None:
         assert "/help" in notice.message
 
 
+async def test_a_map_that_has_no_room_says_where_it_is() -> None:
+    async with chat(size=(60, 16)) as c:
+        await c.ask()
+        floor = c.app.chat.query_one(FloorView)
+        floor.styles.height = 3
+        await c.until(lambda: floor.size.height == 3)
+        assert str(floor.render()) == "Map: F3"
+    async with chat(small_home.session(OracleStore()), size=(80, 24)) as c:
+        assert "no positions" in str(c.app.chat.query_one(FloorView).render())
+
+
 async def test_ascii_pictures_need_no_block_characters() -> None:
     async with chat(pictures="ascii") as c:
         await c.ask()
