@@ -21,6 +21,10 @@ _GIVEN = "assistant.given"
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 
 
+BEGIN = "Look around in a small home with `d3a demo`, or fill your own with `d3a ingest SOURCE`."
+"""What a person does first."""
+
+
 class Failure(click.ClickException):
     """A run that ends with a message and a status, and without a usage line."""
 
@@ -121,9 +125,17 @@ def opened(settings: Settings, *, create: bool = False) -> Iterator[Store]:
     fill one.
     """
     from d3a.store import open_store
+    from d3a.store.base import StoreMissing
+    from d3a.store.opening import mask
 
     with failures():
-        store = open_store(settings.store_uri, create=create)
+        try:
+            store = open_store(settings.store_uri, create=create)
+        except StoreMissing as error:
+            address = mask(settings.store_uri)
+            raise Failure(
+                f"there is no memory at {address} yet. {BEGIN}", ExitCode.STORE
+            ) from error
         try:
             yield store
         finally:

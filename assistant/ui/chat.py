@@ -52,7 +52,7 @@ def welcome(world: World) -> Text:
         problem = clean(world.problem)
         return Text(f"I cannot reach my memory.\n{problem}\nAsk again in a moment.")
     if world.newest_ms is None:
-        return Text("I have seen nothing yet.\nFill this memory: d3a ingest FOLDER --store ...")
+        return Text("I have seen nothing yet.\nFill this memory: d3a ingest SOURCE --store ...")
     known = ", ".join(clean(word) for word in world.words[:12])
     more = " and more" if len(world.words) > 12 else ""
     words = Text("Ask me where things were.\n", style="bold")

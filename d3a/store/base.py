@@ -31,6 +31,7 @@ from d3a.store.errors import (
     StoreBusy,
     StoreConflict,
     StoreError,
+    StoreMissing,
     StoreRefused,
     StoreUnreachable,
 )
@@ -56,6 +57,7 @@ __all__ = [
     "StoreBusy",
     "StoreConflict",
     "StoreError",
+    "StoreMissing",
     "StoreRefused",
     "StoreUnreachable",
     "TaughtName",

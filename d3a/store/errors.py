@@ -13,6 +13,10 @@ class StoreUnreachable(StoreError):  # noqa: N818
     """The store cannot be opened or reached; passwords in its URI are masked."""
 
 
+class StoreMissing(StoreUnreachable):
+    """There is no store at that address yet; one is made where something is put in."""
+
+
 class StoreRefused(StoreError):  # noqa: N818
     """A record is outside of the limits of the store (see `limits.py`)."""
 

@@ -20,7 +20,7 @@ from pymongo.errors import (
 from pymongo.monitoring import CommandListener
 from pymongo.server_api import ServerApi
 
-from d3a.store.base import SCHEMA, StoreError, StoreRefused, StoreUnreachable
+from d3a.store.base import SCHEMA, StoreError, StoreMissing, StoreRefused, StoreUnreachable
 from d3a.store.mongo import MongoStore
 from d3a.store.mongo_documents import Document
 
@@ -153,7 +153,7 @@ def _claim(database: Database[Document], *, create: bool) -> None:
             "name another database"
         )
     if not create:
-        raise StoreUnreachable(
+        raise StoreMissing(
             f"database {database.name!r} holds no store; ingest a recording to make one"
         )
     database["meta"].update_one(

@@ -8,7 +8,7 @@ from pathlib import Path
 from time import monotonic, sleep
 
 from d3a.store import schema
-from d3a.store.base import StoreError, StoreUnreachable
+from d3a.store.base import StoreError, StoreMissing, StoreUnreachable
 from d3a.store.schema import APPLICATION_ID, Migration
 from d3a.store.sqlite import BUSY_TIMEOUT_S, SqliteStore, connect
 
@@ -25,8 +25,9 @@ def open_sqlite(
 ) -> SqliteStore:
     """Open the store in a file, and make it first where `create` says so and there is none.
 
-    Raises StoreUnreachable where the file cannot be opened or made, StoreError for a file of
-    another program or of a newer schema. migrations: see `schema.migrate`.
+    Raises StoreMissing where there is none, StoreUnreachable where the file cannot be opened or
+    made, StoreError for a file of another program or of a newer schema. migrations: see
+    `schema.migrate`.
     """
     uri = f"sqlite:///{path}"
     if sqlite3.sqlite_version_info < _OLDEST:
@@ -36,8 +37,9 @@ def open_sqlite(
         if create:
             _make_file(path)
         elif not path.is_file():
-            said = "is not a file" if path.exists() else "does not exist"
-            raise StoreUnreachable(f"{uri}: {path} {said}; ingest a recording to make a store")
+            if path.exists():
+                raise StoreUnreachable(f"{uri} is not a file")
+            raise StoreMissing(f"{uri} does not exist; ingest a recording to make a store")
     except OSError as error:
         raise StoreUnreachable(f"{uri}: {path} cannot be made: {error.strerror}") from error
     try:

@@ -320,8 +320,12 @@ def test_the_chat_understands_follow_ups_through_a_pipe(run: Run, filled: str) -
 def test_a_missing_store_says_which_and_what_would_do(run: Run) -> None:
     result = run("ask", "where are the keys")
     assert result.exit_code == 3
-    assert "memory.db" in result.stderr
+    assert result.stderr.count("memory.db") == 1
+    assert "no memory" in result.stderr
+    assert "`d3a demo`" in result.stderr
+    assert "`d3a ingest SOURCE`" in result.stderr
     assert result.stdout == ""
+    assert run("chat").stderr == result.stderr
 
 
 def test_a_file_of_another_program_is_left_alone(run: Run, tmp_path: Path) -> None:
