@@ -45,7 +45,7 @@ def refusal_words(answer: Answer, query: FormalQuery, now: datetime) -> str:
     time = f" {slice_words(query.time, now)}" if query.time else ""
     refused = answer.otherwise.why.get("refused") if answer.otherwise is not None else None
     if answer.looked_then is False and answer.reason in ("not_then", "not_there"):
-        told = f"I was not looking{_into(answer, query)}{time}, so I cannot tell."
+        told = f"I was not looking{looking_into(answer, query)}{time}, so I cannot tell."
     elif query.ask in ("moved", "missing") and answer.looked_then is False:
         told = f"I was not looking{time}, so I cannot tell."
     elif refused:
@@ -74,10 +74,11 @@ def refusal_words(answer: Answer, query: FormalQuery, now: datetime) -> str:
 def _last_look(answer: Answer, query: FormalQuery, now: datetime) -> str:
     if answer.last_looked is None:
         return ""
-    return f" I last looked{_into(answer, query)} {when(answer.last_looked, now)}."
+    return f" I last looked{looking_into(answer, query)} {when(answer.last_looked, now)}."
 
 
-def _into(answer: Answer, query: FormalQuery) -> str:
+def looking_into(answer: Answer, query: FormalQuery) -> str:
+    """Return the room that was looked into: " in the kitchen"; "" where none was asked for."""
     return f" {at_place(query.place)}" if query.place and not answer.unjudged else ""
 
 

@@ -43,10 +43,11 @@ from assistant.phrases import (
     term_of,
     where_words,
 )
-from assistant.refusals import refusal_words
+from assistant.refusals import looking_into, refusal_words
 from assistant.wording import NOT_SURE
 from d3a.answer import Answer, RankedKeyframe
 from d3a.colours import is_colour
+from d3a.points import MINUTE, edge_of
 from grammar.forms import Ask, FormalQuery, ObjectTerm, TimeSlice
 
 _LEAST_WHOLE = 0.99
@@ -77,25 +78,26 @@ def sentence(answer: Answer, *, now: datetime) -> str:
 def _whether(answer: Answer, query: FormalQuery, now: datetime) -> str:
     if is_open(query):
         return f"{_yes(answer, query)}{_what(answer, query, now)}"
-    if query.time is not None and query.time.is_point and query.time.start is not None:
-        return _whether_then(answer, query, query.time.start, now)
+    at = edge_of(query)
+    if at is not None:
+        return _whether_then(answer, query, at, now)
     term, condition = term_of(query), condition_words(answer, query)
     many = said_many(query, term)
     heads, newest = likely_of(answer), newest_of(answer)
-    said = when(newest.end, now)
+    said, last = when(newest.end, now), _last(answer, query, now)
     opening = _yes(answer, query)
     if term.quantity is not None:
         words = counted(answer.count, described(term, answer.unjudged))
         if answer.count < term.quantity:
-            return f"No. I saw only {words}{condition}, last {said}."
+            return f"No. I saw only {words}{condition}, {last}."
         if answer.least < term.quantity:
             least = counted(answer.least, described(term, answer.unjudged))
-            told = f"I cannot be sure: I saw at least {least}{condition}, last {said}"
+            told = f"I cannot be sure: I saw at least {least}{condition}, {last}"
             return f"{told}. More that I saw may be the same at another place."
         thing = words
         if answer.least < answer.count:
             least = counted(answer.least, described(term, answer.unjudged))
-            return f"{opening}I saw at least {least}{condition}, last {said}."
+            return f"{opening}I saw at least {least}{condition}, {last}."
     else:
         thing = indefinite(term, found_words(answer, query), many=many)
     where = where_words(newest, query)
@@ -105,16 +107,16 @@ def _whether(answer: Answer, query: FormalQuery, now: datetime) -> str:
         since = f"{when(answer.otherwise.end, now)}{f', {there}' if there else ''}"
         told = f"I cannot be sure. I last saw {thing}{condition} {said}{where}."
         return f"{told} I saw one that may be the same {since}."
-    last = "last " if query.select == "last" else ""
-    if len(heads) == 1 or last:
-        told = f"{opening}I {last}saw {thing}{condition} {said}{where}."
+    if len(heads) == 1 or query.select == "last":
+        verb = "last saw" if query.select == "last" else "saw"
+        told = f"{opening}I {verb} {thing}{condition} {said}{where}."
     else:
         number = places_of(heads)
         spread = counted(number, "place")
         further = places_of(heads_of(answer)) - number  # the table lists them too
         spread += f", maybe in {NUMBERS[further] if further < 11 else further} more" * bool(further)
         more = f"{occasions(len(heads))}{' or more' if answer.truncated else ''}"
-        told = f"{opening}I saw {thing}{condition} {more} in {spread}, last {said}{where}."
+        told = f"{opening}I saw {thing}{condition} {more} in {spread}, {last}{where}."
     return f"{told} {gone_words(newest, now, many=many)}".strip()
 
 
@@ -129,8 +131,9 @@ def _where(answer: Answer, query: FormalQuery, now: datetime) -> str:
     term, best = term_of(query), answer.keyframes[0]
     if query.select == "usual":
         return _usual(answer, query)
-    if query.time is not None and query.time.is_point and query.time.start is not None:
-        return _where_then(answer, query, query.time.start, now)
+    at = edge_of(query)
+    if at is not None:
+        return _where_then(answer, query, at, now)
     if query.relation is None and len(query.objects) > 1:
         return _where_each(answer, query, now)
     words = f"{definite(term, found_words(answer, query))}{condition_words(answer, query)}"
@@ -158,11 +161,12 @@ def _where_then(answer: Answer, query: FormalQuery, at: datetime, now: datetime)
     thing = definite(term_of(query), found_words(answer, query))
     heads = heads_of(answer)
     told = []
-    before = next((k for k in heads if k.start <= at), None)
+    during = next((k for k in heads if _is_during(k, at)), None)
+    before = during or next((k for k in heads if k.start <= at), None)
     after = next((k for k in heads if k.start > at), None)
     if before is not None:
         where = sentence_case(where_words(before, query) or "At a place that has no name")
-        if before.end >= at:
+        if before is during:
             return f"{where}. I was seeing {thing} there {slice_words(TimeSlice(at, at), now)}."
         told.append(f"{where}. I had last seen {thing} there {when(before.end, now)}.")
     if after is not None:
@@ -180,7 +184,7 @@ def _whether_then(answer: Answer, query: FormalQuery, at: datetime, now: datetim
     many = said_many(query, term)
     thing = indefinite(term, found_words(answer, query), many=many)
     heads, moment = likely_of(answer), slice_words(TimeSlice(at, at), now)
-    during = next((k for k in heads if k.start <= at <= k.end), None)
+    during = next((k for k in heads if _is_during(k, at)), None)
     if during is not None:
         where = where_words(during, query)
         there = f", {where}" if where else ""
@@ -188,14 +192,21 @@ def _whether_then(answer: Answer, query: FormalQuery, at: datetime, now: datetim
     before = max((k for k in heads if k.end < at), key=lambda k: (k.end, -k.rank), default=None)
     after = min((k for k in heads if k.start > at), key=lambda k: (k.start, k.rank), default=None)
     told = [f"I did not see {thing}{condition} {moment}."]
+    if answer.looked_then is False:
+        told = [f"I was not looking{looking_into(answer, query)} {moment}, so I cannot tell."]
     for keyframe, verb in ((before, "had last seen"), (after, "next saw")):
         if keyframe is not None:
             where = where_words(keyframe, query)
             there = f", {where}" if where else ""
             seen = keyframe.end if keyframe is before else keyframe.start
             pronoun = thing if term.owner else ("some" if many else "one")
-            told.append(f"I {verb} {pronoun} {when(seen, now)}{there}.")
+            told.append(f"I {verb} {pronoun}{condition} {when(seen, now)}{there}.")
     return " ".join(told)
+
+
+def _is_during(keyframe: RankedKeyframe, at: datetime) -> bool:
+    """Whether a keyframe's interval meets the minute that begins at a moment."""
+    return keyframe.start < at + MINUTE and keyframe.end >= at
 
 
 def _where_each(answer: Answer, query: FormalQuery, now: datetime) -> str:
@@ -263,11 +274,18 @@ def _what(answer: Answer, query: FormalQuery, now: datetime) -> str:
     things = [article(kind) if n == 1 else counted(n, kind) for kind, n in kinds.most_common(8)]
     if len(kinds) > len(things) or answer.count > len({k.object_id for k in heads}):
         things.append("other things")
-    newest = when(newest_of(answer).end, now)
     condition = condition_words(answer, query)
     if query.select == "last":
+        newest = when(newest_of(answer).end, now)
         return f"I last saw {listed(things)}{condition}, the newest {newest}."
-    return f"I saw {listed(things)}{condition}, last {newest}."
+    return f"I saw {listed(things)}{condition}, {_last(answer, query, now)}."
+
+
+def _last(answer: Answer, query: FormalQuery, now: datetime, seen: str = "") -> str:
+    """Return "last today at 9:42, 9 hours ago"; of what was asked of a moment, that moment."""
+    if query.time is not None and query.time.is_point:
+        return f"{seen}{slice_words(query.time, now)}"
+    return f"last {seen}{when(newest_of(answer).end, now)}"
 
 
 def _count(answer: Answer, query: FormalQuery, now: datetime) -> str:
@@ -276,26 +294,26 @@ def _count(answer: Answer, query: FormalQuery, now: datetime) -> str:
     if answer.least < answer.count:
         most = NUMBERS[answer.count] if answer.count < len(NUMBERS) else str(answer.count)
         said = f"At least {counted(answer.least, words)} and at most {most}"
-    newest = newest_of(answer)
+    last = _last(answer, query, now, "seen ")
     once = sum(1 for k in heads_of(answer) if "tentative" in k.why)
     unsure = f" {sentence_case(counted(once, words))} of them I saw only once." if once else ""
     unsure = unsure if 0 < once < answer.count else ""
-    return f"{said}{condition_words(answer, query)}, last seen {when(newest.end, now)}.{unsure}"
+    return f"{said}{condition_words(answer, query)}, {last}.{unsure}"
 
 
 def _how_long(answer: Answer, query: FormalQuery, now: datetime) -> str:
     thing = definite(term_of(query), found_words(answer, query)) + condition_words(answer, query)
-    seconds = answer.value or 0.0
+    seconds, last = answer.value or 0.0, _last(answer, query, now)
     if seconds < 1:
-        return f"I saw {thing} only in passing, {when(newest_of(answer).end, now)}."
-    last = when(newest_of(answer).end, now)
-    return f"About {duration(seconds)}: that is how long I saw {thing}, last {last}."
+        return f"I saw {thing} only in passing, {last.removeprefix('last ')}."
+    return f"About {duration(seconds)}: that is how long I saw {thing}, {last}."
 
 
 def _how_often(answer: Answer, query: FormalQuery, now: datetime) -> str:
     thing = definite(term_of(query), found_words(answer, query)) + condition_words(answer, query)
     often = sentence_case(occasions(round(answer.value or 0)))
-    return f"{often}. I last saw {thing} {when(newest_of(answer).end, now)}."
+    last = _last(answer, query, now, f"saw {thing} ")
+    return f"{often}. I {last}."
 
 
 def _moved(answer: Answer, query: FormalQuery, now: datetime) -> str:

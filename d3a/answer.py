@@ -84,8 +84,9 @@ class Answer:
 
     count: distinct objects that match, before the limit. value: the number asked for (objects,
     seconds, sightings). otherwise: the nearest true keyframe outside of the asked slice or place.
-    unjudged: conditions this store cannot judge. looked_then: for a no about a slice, whether there
-    was any look then (into the asked room); for the sentence, not part of the record.
+    unjudged: conditions this store cannot judge. looked_then: for a no about a time, or what was
+    seen before and after a moment, whether there was any look then (into the asked room); for the
+    sentence, not part of the record.
     least: how many of `count` must be different things: a moved one may have got a new id.
     apart: for a no about moving, at how many places things were seen then that may be one; both
     for the sentence. elapsed_ms: parse, retrieve, rank, total.

@@ -13,6 +13,7 @@ from d3a.moments import Entry, total_ms
 from d3a.rank import Ranked, entry_score
 from d3a.run import Run, milliseconds
 from d3a.store.base import Sighting
+from grammar.forms import TimeSlice
 
 
 def conclude(run: Run, limit: int) -> Answer:
@@ -150,8 +151,9 @@ def _value(run: Run, least: int) -> float | None:
 def _clipped(run: Run, ranked: Sequence[Ranked]) -> list[tuple[int, int]]:
     """Return the moments' intervals inside of the asked slice."""
     time = run.query.time
-    low = milliseconds(time.start) if time else None
-    high = milliseconds(time.end) if time else None
+    if time is None or time.is_point:  # how long around that moment
+        time = TimeSlice()
+    low, high = milliseconds(time.start), milliseconds(time.end)
     spans = [(one.moment.start_ms, one.moment.end_ms) for one in ranked]
     return [
         (start if low is None else max(start, low), end if high is None else min(end, high))

@@ -13,6 +13,7 @@ from typing import Any
 
 from d3a.model import Json
 from d3a.parameters import DEFAULT, Parameters
+from d3a.points import edge_of, looked_at
 from d3a.steps import (
     Cover,
     DropGone,
@@ -129,9 +130,8 @@ def plan(
     steps += kept
     steps.append(Measure(query.ask, var, objects[0].quantity))
     alone = names if (query.relation is None or united) and not kept else (var,)
-    point = query.time.start if query.time is not None and query.time.is_point else None
     select = "all" if present else query.select  # one moment an object is left: the likeliest
-    steps.append(Rank(alone, select, _spreads(query) or present, point))
+    steps.append(Rank(alone, select, _spreads(query) or present, edge_of(query)))
     if _wants_the_last(query):
         steps.append(FindLaterNames(var))
     steps.append(FindLandmarks(var))
@@ -184,20 +184,20 @@ def _sighting_steps(
 ) -> list[Step]:
     """Return the steps that find where and when that was seen, and what describes it."""
     steps: list[Step] = []
-    if query.time is not None and query.time.is_point and query.time.start is not None:
-        steps.append(FindEdge(var, "last", query.time.start))
-        steps.append(FindEdge(var, "first", query.time.start))
+    point, time = edge_of(query), looked_at(query.time)
+    if point is not None:
+        steps.append(FindEdge(var, "last", point))
+        steps.append(FindEdge(var, "first", point))
     elif query.ask in ("moved", "missing") or query.select == "usual":
         steps.append(FindSightings(var))  # the slice is about the change, see `_keep_steps`
     else:
-        start, end = (query.time.start, query.time.end) if query.time else (None, None)
         told = query.select if _tells_sightings(query, term) else None
-        steps.append(FindSightings(var, start, end, told))
+        steps.append(FindSightings(var, time.start, time.end, told))
     steps.append(FindStays(var))
     if " " in term.word:
         steps.append(KeepInRoom(var))
-    if query.time is not None and query.time.is_point and query.time.start is not None:
-        steps.append(DropGone(var, query.time.start))
+    if point is not None:
+        steps.append(DropGone(var, point))
     if term.where is not None:
         inner = f"{var}.1"
         steps += _object_steps(term.where.object, inner, query, precision, figure=False)
@@ -209,19 +209,18 @@ def _sighting_steps(
 
 def _relate(query: FormalQuery, names: tuple[str, ...], negated: bool) -> Relate:
     assert query.relation is not None
-    point = query.time is not None and query.time.is_point
-    start, end = (query.time.start, query.time.end) if query.time and not point else (None, None)
-    return Relate(query.relation.kind, names, negated, "moments", start, end)
+    time = TimeSlice() if edge_of(query) is not None else looked_at(query.time)
+    return Relate(query.relation.kind, names, negated, "moments", time.start, time.end)
 
 
 def _keep_steps(query: FormalQuery, var: str) -> list[Step]:
-    start, end = (query.time.start, query.time.end) if query.time else (None, None)
+    time = looked_at(query.time)
     if query.ask == "moved":
-        return [KeepMoved(var, start, end)]
+        return [KeepMoved(var, time.start, time.end)]
     if query.ask == "missing":
-        return [KeepMissing(var, start, end)]
+        return [KeepMissing(var, time.start, time.end)]
     if query.select == "usual":
-        return [KeepUsual(var, start, end)]
+        return [KeepUsual(var, time.start, time.end)]
     return []
 
 

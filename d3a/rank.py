@@ -16,6 +16,7 @@ from typing import NamedTuple
 from d3a.calibration import calibrated, kind_of
 from d3a.model import Json
 from d3a.moments import Entry, Moment
+from d3a.points import MINUTE
 from grammar.forms import Select
 
 TENTATIVE = 0.8
@@ -271,10 +272,14 @@ def _at_most(one: Ranked, ceiling: float) -> Ranked:
 
 
 def _distance(moment: Moment, at_ms: int) -> tuple[int, int]:
-    """Return how far a moment is from another: 0 inside of it, what came before it first."""
+    """Return how far a moment is from another: 0 in its minute, then what came before it."""
     if moment.end_ms < at_ms:
         return (0, at_ms - moment.end_ms)
-    return (0, 0) if moment.start_ms <= at_ms else (1, moment.start_ms - at_ms)
+    return (
+        (0, 0)
+        if moment.start_ms < at_ms + round(MINUTE.total_seconds() * 1000)
+        else (1, moment.start_ms - at_ms)
+    )
 
 
 def _by_time(scored: Sequence[Ranked], when: Callable[[Moment], tuple[int, int]]) -> list[Ranked]:

@@ -8,6 +8,7 @@ from d3a.distinct import may_be_one
 from d3a.moments import Found, Moment, in_slice, single
 from d3a.places import last_look
 from d3a.plan import ExplainEmpty
+from d3a.points import edge_of, looked_at
 from d3a.rank import rank
 from d3a.run import Run, milliseconds
 from d3a.store.base import Sighting, StayKey
@@ -21,6 +22,8 @@ def explain_empty(run: Run, step: ExplainEmpty) -> None:
     """
     unseen = [] if run.moments is not None else [v for v in step.vars if not run.found[v].sightings]
     if run.ranked and not (unseen and run.query.ask == "whether"):
+        if edge_of(run.query) is not None:  # what was found may be of before and after
+            run.looked_then = _looked_then(run, step)
         return
     run.status = "not_found"
     best = run.ranked[0].moment if run.ranked else None
@@ -58,14 +61,17 @@ def _why(run: Run, step: ExplainEmpty, var: str) -> None:
         run.otherwise = _newest(table, table.gone)
         return
     sifted = run.before_relation.get(var) or run.before_place.get(var)
-    if sifted:
-        run.reason = "not_there"
-        run.otherwise = _newest(table, sifted)
-        return
-    outside = _outside(run, step, var)
-    if outside:
-        run.reason = "not_then"
-        run.otherwise = outside[0]
+    outside = [] if sifted else _outside(run, step, var)
+    if sifted or outside:
+        run.reason = "not_there" if sifted else "not_then"
+        if not _is_anything_somewhere(run, var):
+            run.otherwise = _newest(table, sifted) if sifted else outside[0]
+
+
+def _is_anything_somewhere(run: Run, var: str) -> bool:
+    """Whether anything at all was asked for, at a place: what was elsewhere says nothing of it."""
+    term, somewhere = run.term(var), run.query.relation is not None or run.query.place is not None
+    return somewhere and term.category == ANYTHING and not (term.attributes or term.without)
 
 
 def _tell_refused(run: Run, var: str) -> None:
@@ -79,8 +85,8 @@ def _tell_refused(run: Run, var: str) -> None:
 
 def _seen_apart(run: Run, step: ExplainEmpty, var: str) -> None:
     """Note at how many places the word's things were seen, where those may be one that moved."""
-    table, time = run.found[var], step.time
-    start, end = (milliseconds(time.start), milliseconds(time.end)) if time else (None, None)
+    table, time = run.found[var], looked_at(step.time)
+    start, end = milliseconds(time.start), milliseconds(time.end)
     inside = [s for s in table.sightings if in_slice(s, start, end)]
     if may_be_one(inside):
         run.apart = len({s.stay for s in inside})
@@ -88,13 +94,14 @@ def _seen_apart(run: Run, step: ExplainEmpty, var: str) -> None:
 
 
 def _looked_then(run: Run, step: ExplainEmpty) -> bool | None:
-    """Return whether there was a look in the asked slice; None for a moment or for no slice.
+    """Return whether there was a look in the asked slice; None where no time was asked for.
 
     Where a room is asked for and the poses are known, whether the look was into it.
     """
-    if step.time is None or step.time.is_point:
+    if step.time is None:
         return None
-    start, end = milliseconds(step.time.start), milliseconds(step.time.end)
+    time = looked_at(step.time)
+    start, end = milliseconds(time.start), milliseconds(time.end)
     views = run.store.views(start_ms=start, end_ms=None if end is None else end - 1)
     region = run.region(step.place) if step.place is not None else None
     if region is None or any(view.x is None for view in views):
@@ -146,7 +153,8 @@ def _outside(run: Run, step: ExplainEmpty, var: str) -> list[Moment]:
     if step.time is None:
         return []
     table = run.found[var]
-    start, end = milliseconds(step.time.start), milliseconds(step.time.end)
+    time = looked_at(step.time)
+    start, end = milliseconds(time.start), milliseconds(time.end)
     found: list[Sighting] = []
     if start is not None:
         found += run.store.edges(table.ids, "last", before_ms=start)

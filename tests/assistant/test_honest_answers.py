@@ -27,6 +27,7 @@ def told(home: Home, question: str) -> str:
 
 
 def test_at_a_moment_between_sightings_both_are_told(two_rooms: Home) -> None:
+    two_rooms.look(120, 6, 1)
     said = told(two_rooms, "Did you see a cup at 2 pm today?")
     assert said == (
         "I did not see a cup today at 14:00. I had last seen one today at 12:30, 6 hours ago, in "
@@ -41,7 +42,55 @@ def test_at_a_moment_within_a_sighting_the_answer_is_yes(two_rooms: Home) -> Non
 
 def test_at_a_moment_before_all_only_the_next_is_told(two_rooms: Home) -> None:
     said = told(two_rooms, "Did you see a cup at 4 am today?")
-    assert said.startswith("I did not see a cup today at 4:00. I next saw one today at 12:00,")
+    assert said.startswith(
+        "I was not looking today at 4:00, so I cannot tell. I next saw one today"
+    )
+
+
+def test_a_moment_that_nobody_looked_at_is_no_plain_no(two_rooms: Home) -> None:
+    said = told(two_rooms, "Was the cup in the kitchen at 2 pm today?")
+    assert said == (
+        "I was not looking in the kitchen today at 14:00, so I cannot tell. I had last seen one "
+        "in the kitchen today at 12:30, 6 hours ago."
+    )
+
+
+def test_a_moment_is_the_minute_that_a_clock_tells(two_rooms: Home) -> None:
+    two_rooms.seen("cup", 100.5, 100.7, at=(1, 1, 1), place=2)
+    said = told(two_rooms, "Did you see a cup at 1:40 pm today?")
+    assert said == "Yes. I was seeing a cup today at 13:40, in the kitchen."
+    said = told(two_rooms, "Where was the cup at 1:40 pm today?")
+    assert said == "In the kitchen. I was seeing the cup there today at 13:40."
+
+
+@pytest.mark.parametrize(
+    ("question", "then"),
+    [
+        ("How many cups did you see", "One cup, seen today at 12:10."),
+        ("How often did you see a cup", "Once. I saw the cup today at 12:10."),
+        ("What did you see in the kitchen", "I saw a cup in the kitchen, today at 12:10."),
+        (
+            "How long was the cup in the kitchen",
+            "About 30 minutes: that is how long I saw the cup in the kitchen, today at 12:10.",
+        ),
+    ],
+)
+def test_what_is_counted_at_a_moment_was_seen_then(
+    two_rooms: Home, question: str, then: str
+) -> None:
+    assert told(two_rooms, f"{question} at 12:10 today?") == then
+    said = told(two_rooms, f"{question} at 2 pm today?")
+    assert said.startswith("I was not looking")
+    assert "today at 14:00, so I cannot tell." in said
+
+
+def test_anything_elsewhere_is_not_told_instead_of_what_is_in_the_room(two_rooms: Home) -> None:
+    two_rooms.room("hall", 20, 20, 22, 22)
+    store = OracleStore()
+    two_rooms.into(store)
+    answer = ask(store, "What did you see in the hall?", now=NOW)
+    assert (answer.reason, answer.otherwise) == ("not_there", None)
+    assert answer.answer == "I did not see anything in the hall."
 
 
 def test_a_day_without_a_look_is_not_told_as_absence(two_rooms: Home) -> None:

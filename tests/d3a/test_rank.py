@@ -122,10 +122,13 @@ def test_repeats_of_one_thing_alone_keep_their_score() -> None:
 
 
 def test_a_moment_asked_for_puts_the_nearest_first_and_before_is_nearer() -> None:
-    moments = [moment("a", 0), moment("a", 40, place=1), moment("b", 47), moment("a", 200, place=2)]
-    ranked = rank(moments, "all", spread=False, at_ms=50)
-    starts = [one.moment.start_ms for one in ranked]
+    seen = [("a", 0, 0), ("a", 40, 1), ("b", 47, 0), ("a", 200, 2)]
+    moments = [moment(name, minute * 60_000, place=place) for name, minute, place in seen]
+    ranked = rank(moments, "all", spread=False, at_ms=50 * 60_000)
+    starts = [one.moment.start_ms // 60_000 for one in ranked]
     assert starts == [47, 40, 0, 200]
+    ranked = rank(moments, "all", spread=False, at_ms=200 * 60_000 - 20_000)
+    assert ranked[0].moment.start_ms == 200 * 60_000  # it was seen in that minute
 
 
 def test_last_goes_by_time_among_those_at_least_half_as_likely() -> None:
