@@ -54,21 +54,23 @@ class FrameOffset:
         Each weighs the less the farther it is off what was expected, as it may be mistaken.
         """
         dof = self.parameters.outlier_dof
-        mean = self.mean.tolist()
-        own = of_rows(self.covariance.ravel().tolist())
-        total: Six = inverse(own)
-        pull = times(total, mean)
-        for residual, noise in known:
-            away = [r - m for r, m in zip(residual, mean, strict=True)]
-            expected = inverse([n + o for n, o in zip(noise, own, strict=True)])
-            weight = min(1.0, (dof + 3) / (dof + squared(expected, away)))
-            precision = inverse([n / weight for n in noise])
+        mx, my, mz = mean = self.mean.tolist()
+        oxx, oxy, oxz, oyy, oyz, ozz = own = of_rows(self.covariance.ravel().tolist())
+        total = inverse(own)
+        sx, sy, sz = times(total, mean)
+        for residual, (xx, xy, xz, yy, yz, zz) in known:
+            x, y, z = residual
+            noise = xx + oxx, xy + oxy, xz + oxz, yy + oyy, yz + oyz, zz + ozz
+            off = squared(inverse(noise), (x - mx, y - my, z - mz))
+            w = min(1.0, (dof + 3) / (dof + off))
+            precision = inverse((xx / w, xy / w, xz / w, yy / w, yz / w, zz / w))
             px, py, pz = times(precision, residual)
-            pull = pull[0] + px, pull[1] + py, pull[2] + pz
-            total = [t + p for t, p in zip(total, precision, strict=True)]
+            sx, sy, sz = sx + px, sy + py, sz + pz
+            (a, b, c, d, e, f), (g, h, i, j, k, m) = total, precision
+            total = a + g, b + h, c + i, d + j, e + k, f + m
         xx, xy, xz, yy, yz, zz = inverse(total)
         self.covariance = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-        self.mean = self.covariance @ pull
+        self.mean = self.covariance @ (sx, sy, sz)
 
     def to_state(self) -> Json:
         """Return the state as JSON."""

@@ -38,7 +38,7 @@ class Frame:
 
     places: (3, n). noise: (6, n), the numbers xx xy xz yy yz zz of each detection's own, corrected
     by what is learned. placed: (n,), whose places tell what stands beside them. near: pairs of
-    things, both ways, that stand side by side.
+    things, both ways, that stand side by side. shells_m3: see `Neighbours`.
     """
 
     observed: Observed
@@ -46,6 +46,7 @@ class Frame:
     noise: Floats
     placed: NDArray[np.bool_]
     near: frozenset[tuple[int, int]]
+    shells_m3: Floats
 
 
 @dataclass(frozen=True, slots=True)
@@ -182,7 +183,8 @@ class Matcher:
             len(names), [apart_m for (i, j), apart_m in apart.items() if names[i] != names[j]]
         )
         near = frozenset([*apart, *((j, i) for i, j in apart)])
-        return Frame(observed, observed.places.T, noise, placed, near)
+        shells_m3 = self.neighbours.shells_m3()
+        return Frame(observed, observed.places.T, noise, placed, near, shells_m3)
 
     def _gate(self, frame: Frame) -> tuple[NDArray[np.intp], list[int]]:
         """Return the rows of places that any detection may be at, and numbers of their things.
@@ -340,11 +342,11 @@ class Matcher:
         covariances = (noise[:, :, None] + columns[3:, None]).reshape(6, -1)
         squared, determinant = likelihood.squared_distances(residuals, covariances)
         residuals *= residuals
-        beside = self.neighbours.space_m3(np.sqrt(np.add.reduce(residuals, axis=0)))
+        beside = self.neighbours.space_m3(np.add.reduce(residuals, axis=0), frame.shells_m3)
         ratios = likelihood.position_ratios(
             squared, determinant, (parameters.space_m3, beside), parameters
         )
-        ratios[:, ~(squared <= parameters.gate_sigmas**2)] = NEVER
+        np.copyto(ratios, NEVER, where=~(squared <= parameters.gate_sigmas**2))
         return ratios.reshape(2, count, -1)
 
     def _align(

@@ -285,7 +285,7 @@ class Looks:
         mean = self._matrix[thing.row] * np.float32(min(thing.look_weight, most))
         mean += look * np.float32(weight)
         length = math.sqrt(mean @ mean)
-        self._put(thing.row, mean / np.float32(length) if length > 0 else 0.0)
+        self._put(thing.row, np.divide(mean, np.float32(length), out=mean) if length > 0 else 0.0)
         thing.look_weight += weight
 
     def put(self, thing: Known, look: NDArray[np.float32], weight: float) -> None:

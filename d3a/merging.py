@@ -78,7 +78,7 @@ class Evidence:
         name = (thing.category, thing.weight / thing.seen)
         parts = self.categories.evidence([name], [other.shares for other in others])
         agreed, differing = (part[0] for part in parts)
-        beside_m3 = self.neighbours.space_m3(np.sqrt((away**2).sum(axis=0)))
+        beside_m3 = self.neighbours.space_m3((away**2).sum(axis=0))
         spaces = (self.parameters.space_m3, beside_m3)
         place, beside = likelihood.position_ratios(squared, determinant, spaces, self.parameters)
         agreed, differing = agreed + place, differing + beside

@@ -21,7 +21,7 @@ SHELLS_M = (0.0, 0.15, 0.3, 0.5, 0.8, 1.2)
 VOLUMES = np.diff(np.array(SHELLS_M) ** 3) * 4 / 3 * np.pi
 REACH_M = SHELLS_M[-1]
 _ENDS_M = SHELLS_M[1:]
-_ENDS = np.array(_ENDS_M)
+_ENDS_M2 = np.array(_ENDS_M) ** 2
 
 
 class Neighbours:
@@ -45,10 +45,18 @@ class Neighbours:
         if any(counts):
             self.pairs += counts
 
-    def space_m3(self, apart_m: Floats) -> Floats:
-        """Return the space in which one other thing is found at such distances, alike shaped."""
+    def shells_m3(self) -> Floats:
+        """Return the space (shells + 1,) in which one other thing is found, by how far off."""
         anywhere = 1.0 / self._parameters.space_m3
         by_shell = np.empty(len(VOLUMES) + 1)
         np.maximum(self.pairs / (VOLUMES * self.seen), anywhere, out=by_shell[:-1])
         by_shell[-1] = anywhere
-        return np.asarray((1.0 / by_shell)[_ENDS.searchsorted(apart_m, side="right")])
+        return np.asarray(1.0 / by_shell)
+
+    def space_m3(self, apart_m2: Floats, shells_m3: Floats | None = None) -> Floats:
+        """Return the space in which one other thing is found at such distances, alike shaped.
+
+        apart_m2: squared. shells_m3: what `shells_m3` returns, where it is known already.
+        """
+        shells = self.shells_m3() if shells_m3 is None else shells_m3
+        return np.asarray(shells[_ENDS_M2.searchsorted(apart_m2, side="right")])

@@ -6,7 +6,6 @@ for longest is evicted; it is fetched back by place when the robot looks there a
 
 from __future__ import annotations
 
-import heapq
 import math
 from collections.abc import Collection, Iterator
 
@@ -133,9 +132,11 @@ class Recall:
         if len(things) <= most:
             return []
         over = len(things) - most + most // EVICTED_SHARE
-        oldest = heapq.nsmallest(
-            over, things.values(), key=lambda t: (max(t.last_ms, t.compared_ms), t.number)
-        )
+        viewed = [
+            (t.last_ms if t.last_ms > t.compared_ms else t.compared_ms, number)
+            for number, t in things.items()
+        ]
+        oldest = [things[number] for _, number in sorted(viewed)[:over]]
         for thing in oldest:
             if thing.dirty:
                 self._put(thing)

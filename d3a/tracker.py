@@ -132,12 +132,10 @@ class TrackerPipeline:
             most = self._parameters.looks_remembered
             self._memory.looks.blend(thing, observed.looks[i], weight, most)
         if detection.extent_m is not None:
-            old = thing.extent_m or (0.0, 0.0)
+            (width, height), (wide, high) = thing.extent_m or (0.0, 0.0), detection.extent_m
             n = thing.extents
-            width, height = (
-                (o * n + e) / (n + 1) for o, e in zip(old, detection.extent_m, strict=True)
-            )
-            thing.extent_m, thing.extents = (width, height), n + 1
+            thing.extent_m = (width * n + wide) / (n + 1), (height * n + high) / (n + 1)
+            thing.extents = n + 1
         for each in (thing, place):
             each.weight += detection.probability
             each.seen += 1
@@ -146,8 +144,8 @@ class TrackerPipeline:
         thing.dirty = True
         key = (thing.object_id, place.number)
         self._grow(place, Interval.of(ref, detection), key)
-        for row in found.rows:
-            self._events.append(Seen(row.row, ref.name, row.box, entry_name(key)))
+        name = entry_name(key)
+        self._events += [Seen(row.row, ref.name, row.box, name) for row in found.rows]
 
     def _grow(self, place: Place, view: Interval, key: StayKey) -> None:
         """Extend the open interval, or close it and begin another."""

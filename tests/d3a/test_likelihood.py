@@ -109,10 +109,10 @@ def test_a_detector_that_is_always_certain_is_wrong_as_often_as_any() -> None:
 
 def test_what_stands_side_by_side_is_learned_from_frames() -> None:
     model = Neighbours(DEFAULT)
-    before = model.space_m3(np.array([0.2, 5.0]))
+    before = model.space_m3(np.array([0.2, 5.0]) ** 2)
     for _ in range(300):
         model.add(3, [0.2, 2.5])
-    after = model.space_m3(np.array([0.2, 5.0]))
+    after = model.space_m3(np.array([0.2, 5.0]) ** 2)
     assert after[0] < before[0] == DEFAULT.beside_m3
     assert after[1] == before[1] == pytest.approx(SPACE)
 
@@ -121,7 +121,7 @@ def test_alone_in_the_room_there_are_no_neighbours() -> None:
     model = Neighbours(DEFAULT)
     for _ in range(2000):
         model.add(1, [])
-    assert model.space_m3(np.array([0.2])) == pytest.approx(SPACE, rel=0.5)
+    assert model.space_m3(np.array([0.2]) ** 2) == pytest.approx(SPACE, rel=0.5)
 
 
 def test_what_all_looks_have_in_common_fades() -> None:
