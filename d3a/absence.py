@@ -215,7 +215,10 @@ class Absence:
             place.last_absent_ms, thing.dirty = None, True
 
     def _missed(self, glance: Glance, odds: float, share: float) -> None:
-        """Count a share of a miss; enough of them say that the place is empty."""
+        """Count a share of a miss; enough of them say that the place is empty.
+
+        Where that is known already (its thing was moved, see `moves`), each says that it still is.
+        """
         thing, place = glance.thing, glance.place
         if thing.seen > self._parameters.confirm_sightings and place.last_absent_ms is None:
             self._relooked += share
@@ -225,7 +228,8 @@ class Absence:
         place.chances += share
         place.misses += 1
         place.throughs += glance.is_through
-        if place.evidence >= self._parameters.absent_odds:
+        was_empty = place.last_absent_ms is not None
+        if was_empty or place.evidence >= self._parameters.absent_odds:
             place.last_absent_ms = self._end_ms
             thing.dirty = True
 

@@ -212,6 +212,7 @@ def apply_link(link: Link, memory: Memory, ledger: Ledger, parameters: Parameter
     old, new = link.old, link.new
     left = old.latest
     place = new.places[0]
+    _leave(left, new.first_ms)
     was: StayKey = (new.object_id, place.number)
     place.number = max(each.number for each in old.places) + 1
     place.moved_from = (left.number, link.score)
@@ -226,6 +227,15 @@ def apply_link(link: Link, memory: Memory, ledger: Ledger, parameters: Parameter
         if (renamed := rename(encounter, was, becomes)) is not None:
             ledger.put_encounter(renamed)
     return Became(entry_name(was), entry_name(becomes), "moved")
+
+
+def _leave(left: Place, elsewhere_ms: int) -> None:
+    """Note that a place was left: its thing is elsewhere, and the place was looked at in vain.
+
+    The looks alone need not be enough for that, where a thing is hard to see.
+    """
+    if left.last_absent_ms is None:
+        left.last_absent_ms = max([elsewhere_ms, *(looked_ms for _, looked_ms in left.missed_from)])
 
 
 def _merge(old: Known, new: Known, memory: Memory, parameters: Parameters) -> None:

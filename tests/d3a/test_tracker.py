@@ -306,17 +306,20 @@ def test_a_thing_seen_once_expires_when_looks_do_not_find_it() -> None:
     assert filled(frames).objects() == []
 
 
-def test_a_move_is_linked_when_the_old_place_was_seen_empty() -> None:
+@pytest.mark.parametrize("absent_odds", [DEFAULT.absent_odds, 1e9])
+def test_a_move_is_linked_when_the_old_place_was_seen_empty(absent_odds: float) -> None:
+    """The place is known to be left then, though the looks alone may not be enough to say so."""
     here = Detection("cup", 0.9, (14, 20, 22, 28), embedding=colour(1))
     moved = Detection("cup", 0.9, (44, 20, 52, 28), embedding=colour(1))
     frames = [looking(n, here, away_m=3.0) for n in range(12)]
     frames += [looking(n, away_m=4.5) for n in range(12, 24)]
     frames += [looking(n, moved, away_m=3.0) for n in range(24, 36)]
-    store = filled(frames)
+    store = filled(frames, DEFAULT.with_changes(absent_odds=absent_odds))
     (record,) = store.objects()
     first, second = store.stays()
     assert second.moved_from is not None
     assert second.moved_from[0] == first.place
+    assert first.last_absent_ms == frames[34].time_ms  # the last look that way
     assert {sighting.place for sighting in store.sightings()} == {0, 1}
     assert record.weight == pytest.approx(12 * 0.9)
 
