@@ -32,7 +32,7 @@ from assistant.pointing import (
     told,
 )
 from assistant.session import Pointer
-from assistant.taught import Boxing, Naming, Teaching, read_teaching, row_of
+from assistant.taught import Boxing, Naming, Teaching, Undoing, read_teaching, row_of
 from d3a.answer import Answer, RankedKeyframe, Status, is_by_look
 from d3a.store.base import Store, StoreError
 from grammar.errors import QuestionError
@@ -275,7 +275,12 @@ class Conversation:
             self.pointer.box = teaching.box if learned.done else None
         elif learned.done:
             self.pointer.box = None
+            if isinstance(teaching, Undoing):  # what it was may be what is meant after all
+                self._said = replace(self._said, refused=())
             self._look_again()
+        if learned.refused is not None:
+            next_best = self._refuse(text, learned.refused)
+            return replace(next_best, answer=f"{learned.sentence} {next_best.answer}")
         return self._learned(text, learned)
 
     def _learned(self, text: str, learned: Learned) -> Answer:

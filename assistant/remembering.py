@@ -10,9 +10,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from datetime import datetime
 
-from assistant.english import article, counted, listed
-from assistant.phrases import kind_of, whose
+from assistant.english import article, counted
+from assistant.phrases import kind_of
 from assistant.pointing import NOTHING_SHOWN, find_row, same_place
+from assistant.recalling import recalled, row_name, undone_words
 from assistant.taught import (
     Boxing,
     Difference,
@@ -25,10 +26,8 @@ from assistant.taught import (
     Teaching,
     Undoing,
 )
-from assistant.wording import place_words
 from d3a import teaching as store_teaching
 from d3a.answer import RankedKeyframe, is_by_look
-from d3a.constraints import Correction
 from d3a.model import BadInput, Box
 from d3a.store.base import Store
 from d3a.taught_looks import teach_look
@@ -44,11 +43,15 @@ BACK = "“undo” takes it back"
 
 @dataclass(frozen=True, slots=True)
 class Learned:
-    """What came of a teaching. done: the store has it. choices: what may be said instead."""
+    """What came of a teaching. done: the store has it. choices: what may be said instead.
+
+    refused: the row that is not what was meant, so that the next best is wanted.
+    """
 
     sentence: str
     done: bool = True
     choices: tuple[str, ...] = ()
+    refused: RankedKeyframe | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,7 +100,7 @@ def learn(store: Store, said: Teaching, scene: Scene, now: datetime) -> Learned 
             case Undoing():
                 return Learned(undone_words(store_teaching.undo(store)))
             case Recalling():
-                return _recall(store)
+                return Learned(recalled(store, now))
     except BadInput as error:
         return Learned(f"I cannot do that: {error}", done=False)
 
@@ -110,7 +113,7 @@ def _name(store: Store, said: Naming, scene: Scene, now: datetime) -> Learned | 
     if said.isnt:
         known = store.objects(ids=[row.object_id], embeddings=False)
         if not any(n.word == word and owner in (None, n.owner) for r in known for n in r.names):
-            return None
+            return _deny(store, said, row, (word, owner), now)
         store_teaching.forget_name(store, row.object_id, word, owner, at_ms=_ms(now))
         return Learned(f"I no longer take {row_name(row)} for “{_heard(said.said, row)}”; {BACK}.")
     if not said.sure and _looks_otherwise(said.said, word, row, store):
@@ -123,6 +126,20 @@ def _name(store: Store, said: Naming, scene: Scene, now: datetime) -> Learned | 
     if done.number == 0:
         return Learned(f"I know {row_name(row)} as “{_heard(said.said, row)}” already.")
     return Learned(f"I will remember {row_name(row)} as “{_heard(said.said, row)}”; {BACK}.")
+
+
+def _deny(
+    store: Store, said: Naming, row: RankedKeyframe, name: tuple[str, str | None], now: datetime
+) -> Learned | None:
+    """Remember whose a thing is not; None for a mere word, which may be said of this row alone."""
+    word, owner = name
+    if owner is None:
+        return None
+    done = store_teaching.deny_name(store, row.object_id, word, owner, at_ms=_ms(now))
+    heard = f"{row_name(row)} for “{_heard(said.said, row)}”"
+    if done.number == 0:
+        return Learned(f"I do not take {heard} already.", refused=row)
+    return Learned(f"I will not take {heard} any more; {BACK}.", refused=row)
 
 
 def _looks_otherwise(said: str, word: str, row: RankedKeyframe, store: Store) -> bool:
@@ -321,50 +338,6 @@ def stay_of(store: Store, row: RankedKeyframe) -> int | None:
     seen = store.sightings(object_ids=[row.object_id], start_ms=_ms(row.start), end_ms=_ms(row.end))
     exact = [each for each in seen if each.frame == row.frame and each.box == row.box]
     return next((each.place for each in (*exact, *seen)), None)
-
-
-def _recall(store: Store) -> Learned:
-    past = store_teaching.history(store)
-    if not past:
-        return Learned("You have taught me nothing yet.")
-    newest = [each.said for each in reversed(past)][:3]
-    more = f", and {len(past) - 3} more before" if len(past) > 3 else ""
-    return Learned(f"You told me, the newest first: {'; '.join(newest)}{more}.")
-
-
-def undone_words(done: Correction) -> str:
-    """Return what is as it was before, in a sentence."""
-    said = done.arguments
-    match done.kind:
-        case "merge":
-            return "I have undone that: I take them for two things again."
-        case "split":
-            return "I have undone that: I take them for one thing again."
-        case "place":
-            before, after = ([each["name"] for each in said[k]] for k in ("before", "after"))
-            back = f"I know {listed([f'“{n}”' for n in before])} as before" if before else ""
-            gone = [f"“{name}”" for name in after if name not in before]
-            lost = f"{listed(gone)} is no place any more" if gone else ""
-            return f"I have undone that: {' and '.join(p for p in (lost, back) if p)}."
-        case "teach":
-            gone_names = [n for n in said["after"] if n not in said["before"]]
-            names = [called(word, owner) for word, owner in gone_names or said["before"]]
-            how = "no longer" if gone_names else "again"
-            return f"I have undone that: I know it {how} as {listed(names)}."
-        case "look":
-            return "I have undone that: I no longer know what was in the box."
-        case _:
-            return f"I have undone that: {done.said}."
-
-
-def called(word: str, owner: str | None) -> str:
-    """Return a taught name as it is said back: “your key”, “Anna's key”, “excalibur”."""
-    return f"“{word}”" if owner is None else f"“{whose(owner)} {word}”"
-
-
-def row_name(row: RankedKeyframe) -> str:
-    """Return a row in words: the key (kitchen, by the table)."""
-    return f"the {kind_of(row)} ({place_words(row)})"
 
 
 def _pair(*rows: RankedKeyframe) -> str:

@@ -25,7 +25,9 @@ SAID = "said"
 """Key of the store's meta that counts what people said: equal counts, equal histories."""
 CHUNK = 700_000
 """Characters of a part: a store keeps a million bytes under one key."""
-Kind = Literal["merge", "split", "teach", "place", "map", "look"]
+Kind = Literal["merge", "split", "teach", "place", "map", "look", "deny"]
+Denial = tuple[str, str, str]
+"""An object, and the word and the owner that it is not: o12, key, me."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -125,6 +127,23 @@ class History:
     def pictures(self) -> set[str]:
         """Return pictures that only an undo refers to."""
         return {key for each in (*self.entries, *self.undone) for key in each.lost}
+
+    def denials(self) -> frozenset[Denial]:
+        """Return what things were said not to be, and were not said to be since."""
+        held: set[Denial] = set()
+        for each in self.entries:
+            said = each.arguments
+            if each.kind == "deny":
+                held.add((said["ids"][0], said["word"], said["owner"]))
+            elif each.kind == "teach":
+                was, is_ = (
+                    {(said["ids"][0], word, owner) for word, owner in said[when] if owner}
+                    for when in ("before", "after")
+                )
+                held = (held | (was - is_)) - is_
+            elif each.kind == "merge":
+                held |= {(said["kept"], *rest) for name, *rest in held if name == said["gone"]}
+        return frozenset(held)
 
     def constraints(self) -> Constraints:
         """Return what later ingests keep."""

@@ -128,6 +128,8 @@ def taking_back(store: Store, correction: Correction) -> tuple[dict[str, Any], d
         return {"regions": regions, "removed_regions": sorted(gone)}, {}
     if correction.kind == "look":
         return {"removed_objects": [said["new"]]}, {}
+    if correction.kind == "deny":
+        return {}, {}
     if correction.kind == "map":
         return {}, {"map": said["before"], said["after"]: None}
     now = Portion.read(store, correction.ids())

@@ -193,6 +193,7 @@ def _candidates(run: Run, step: FindObjects, *, looks: bool) -> tuple[list[Candi
         taught = run.named(step)
         ids = {record.object_id for record in records}
         records = [*records, *(record for record in taught if record.object_id not in ids)]
+    records = run.not_denied(step, records)
     found = run.facts.candidates(step, records, worth, run.parameters.confusion)
     return found, known or bool(found)
 

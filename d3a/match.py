@@ -147,16 +147,16 @@ def is_named(record: ObjectRecord, step: FindObjects) -> bool:
 
 
 def owned(step: FindObjects, found: Sequence[Candidate]) -> list[Candidate]:
-    """Keep what is taught to be the owner's, where anything is; else all of it.
+    """Keep what is taught to be the owner's, where anything is; else all that is nobody else's.
 
-    Whose a thing is cannot be seen: without a taught name the owner is not judged, never a no.
+    Whose a thing is cannot be seen: without a taught owner it is not judged, never a no.
     """
     theirs = [
         candidate
         for candidate in found
         if any(name.owner == step.owner for name in candidate.record.names)
     ]
-    return theirs or list(found)
+    return theirs or [c for c in found if all(n.owner is None for n in c.record.names)]
 
 
 @lru_cache(maxsize=4096)

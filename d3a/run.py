@@ -9,6 +9,7 @@ from math import prod
 from typing import NamedTuple
 
 from d3a.answer import Reason, Status
+from d3a.constraints import HISTORY, History
 from d3a.facts import Facts
 from d3a.match import Candidate, Lexicon, squash
 from d3a.moments import Entry, Found, Moment, single
@@ -96,6 +97,19 @@ class Run:
         words = {squash(step.word), squash(step.category)}
         known = sorted({n.word for n in self.facts.names() if squash(n.word) in words})
         return self.store.objects(names=known) if known else []
+
+    def not_denied(self, step: FindObjects, records: list[ObjectRecord]) -> list[ObjectRecord]:
+        """Return those that nobody said are not the owner's: "these are not my keys"."""
+        value = self.facts.meta(HISTORY) if step.owner is not None else None
+        if value is None:
+            return records
+        words = {squash(step.word), squash(step.category)}
+        denied = {
+            name
+            for name, word, owner in History.of_json(value).denials()
+            if owner == step.owner and words & {squash(word), squash(self.lexicon.canonical(word))}
+        }
+        return [record for record in records if record.object_id not in denied]
 
     def answering(self, var: str) -> list[Moment]:
         """Return the moments so far: those of a relation, else the variable's sightings."""

@@ -10,8 +10,7 @@ the next question uses it. Ingests keep it (`constraints`). `undo` takes back th
     >>> undo(store).said
     'o31 is the same thing as o12'
 
-All raise BadInput (UnknownThing where something does not exist) and StoreError. at_ms: when it was
-said, UTC milliseconds, for the history.
+All raise BadInput (UnknownThing for what is not there) and StoreError. at_ms: when said, UTC ms.
 """
 
 from __future__ import annotations
@@ -88,7 +87,7 @@ def teach_name(
 def forget_name(
     store: Store, object_id: str, name: str, owner: str | None = None, *, at_ms: int | None = None
 ) -> Correction:
-    """Take a taught name back from an object; owner None: whoever's it was said to be."""
+    """Take a taught name back; owner None: whoever's. No question for the owner's means it then."""
     word = squash(_name(name))
     whose = _name(owner) if owner else None
 
@@ -102,6 +101,25 @@ def forget_name(
             has = f"it is {', '.join(known)}" if known else "it has no name"
             raise UnknownThing(f"{object_id} is not called {name!r}; {has}", known[:3])
         return _named(number, f"{object_id} is not {name}", record, kept, at_ms)
+
+    return commit(store, make)
+
+
+def deny_name(
+    store: Store, object_id: str, name: str, owner: str, *, at_ms: int | None = None
+) -> Correction:
+    """Say that an object is not somebody's: no question for "my keys" means it any more.
+
+    `teach_name` of it is newer then, and holds. Denied already: the number is 0.
+    """
+    word, whose = _name(name), _name(owner)
+
+    def make(number: int) -> _Made:
+        _object(store, object_id)
+        number = 0 if (object_id, word, whose) in History.read(store).denials() else number
+        arguments: Json = {"ids": [object_id], "word": word, "owner": whose}
+        said = f"{object_id} is not {_called(TaughtName(word, whose))}"
+        return Correction(number, "deny", said, at_ms, arguments), {}
 
     return commit(store, make)
 
@@ -367,6 +385,7 @@ __all__ = [
     "Correction",
     "UnknownThing",
     "commit",
+    "deny_name",
     "forget_name",
     "history",
     "merge",

@@ -103,6 +103,8 @@ def test_the_owner_narrows_what_is_taught_and_nothing_else() -> None:
     assert ids == ["a"]
     untaught = candidates(find("key", owner="anna"), [plain], worth)
     assert [c.record.object_id for c in untaught] == ["c"]
+    others = candidates(find("key", owner="me"), [hers, his, plain], worth)
+    assert [c.record.object_id for c in others] == ["c"]
 
 
 def test_named_needs_the_asked_owner() -> None:

@@ -249,6 +249,27 @@ def test_a_name_said_twice_changes_nothing_the_second_time() -> None:
     assert len(teaching.history(store)) == 1
 
 
+def test_a_denial_holds_until_it_is_undone_or_the_name_is_taught() -> None:
+    store = home()
+    before = content(store)
+    done = teaching.deny_name(store, "o2", "Cup", "me", at_ms=START)
+    assert (done.number, done.said) == (1, "o2 is not my cup")
+    assert teaching.deny_name(store, "o2", "cup", "me").number == 0
+    assert History.read(store).denials() == {("o2", "cup", "me")}
+    teaching.merge(store, "o1", "o2")
+    assert ("o1", "cup", "me") in History.read(store).denials()
+    teaching.teach_name(store, "o1", "cup", "me")
+    assert ("o1", "cup", "me") not in History.read(store).denials()
+    teaching.forget_name(store, "o1", "cup", "me")
+    assert ("o1", "cup", "me") in History.read(store).denials()
+    for _ in range(4):
+        teaching.undo(store)
+    assert History.read(store).denials() == frozenset()
+    assert content(store) == before
+    with pytest.raises(UnknownThing, match="no object"):
+        teaching.deny_name(store, "o9", "cup", "me")
+
+
 def test_what_a_correction_replaced_is_forgotten_with_its_object() -> None:
     store = home()
     teaching.merge(store, "o1", "o2")
