@@ -13,6 +13,7 @@ Point = tuple[float, float]
 _NORTH, _EAST, _SOUTH, _WEST = 1, 2, 4, 8
 _LINES = " ╵╶└╷│┌├╴┘─┴┐┤┬┼"  # by the bits above
 _SAME_PLACE_M = 0.5
+_LEAST_OF_A_NAME = 4
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,21 +64,30 @@ def marks_of(keyframes: Sequence[RankedKeyframe]) -> tuple[Mark, ...]:
 class _Canvas:
     """A grid of characters over a stretch of floor; y points up, as on a map."""
 
-    def __init__(self, bounds: tuple[float, float, float, float], columns: int, rows: int) -> None:
+    def __init__(
+        self,
+        bounds: tuple[float, float, float, float],
+        columns: int,
+        rows: int,
+        *,
+        to_scale: bool = True,
+    ) -> None:
         x_min, y_min, x_max, y_max = bounds
         self.columns, self.rows = columns, rows
         spare_x, spare_y = max(x_max - x_min, 0.5), max(y_max - y_min, 0.5)
-        # One scale for both directions, a row being twice as high as a column is wide.
-        self._scale = min((columns - 1) / spare_x, (rows - 1) * 2 / spare_y)
-        self._left = x_min - ((columns - 1) / self._scale - spare_x) / 2
-        self._top = y_max + ((rows - 1) * 2 / self._scale - spare_y) / 2
+        self._across, self._down = (columns - 1) / spare_x, (rows - 1) / spare_y
+        if to_scale:  # a row is twice as high as a column is wide
+            self._across = min(self._across, self._down * 2)
+            self._down = self._across / 2
+        self._left = x_min - ((columns - 1) / self._across - spare_x) / 2
+        self._top = y_max + ((rows - 1) / self._down - spare_y) / 2
         self._lines = [[0] * columns for _ in range(rows)]
         self._text: dict[tuple[int, int], str] = {}
 
     def cell(self, point: Point) -> tuple[int, int]:
         """Return the column and row of a point, kept inside."""
-        column = round((point[0] - self._left) * self._scale)
-        row = round((self._top - point[1]) * self._scale / 2)
+        column = round((point[0] - self._left) * self._across)
+        row = round((self._top - point[1]) * self._down)
         return min(max(column, 0), self.columns - 1), min(max(row, 0), self.rows - 1)
 
     def wall(self, start: Point, end: Point) -> None:
@@ -113,13 +123,57 @@ class _Canvas:
             self._text[column + i, row] = char
 
     def write_near(self, point: Point, words: str) -> None:
-        """Write words at a point, or beside it where something else has its cell already."""
-        column, row = self.cell(point)
-        tries = [(0, 0), (1, 0), (-1, 0), (0, -1), (0, 1), (2, 0), (-2, 0), (1, 1), (-1, -1)]
-        for dx, dy in tries:
-            if (column + dx, row + dy) not in self._text and 0 <= row + dy < self.rows:
-                self.write(min(max(column + dx, 0), self.columns - 1), row + dy, words)
+        """Write a sign at a point, or in the nearest cell of its room that has none yet."""
+        home = self.cell(point)
+        for column, row in (*self._reach(home), *self._reach(home, walls=True)):
+            if (column, row) not in self._text:
+                self.write(column, row, words)
                 return
+
+    def write_inside(self, point: Point, words: str, *, gap: int) -> bool:
+        """Write words on free cells of the room around a point, near it; False without room.
+
+        gap: cells to leave to the next number or name.
+        """
+        home = self.cell(point)
+        room = set(self._reach(home))
+        starts = {
+            (column - shift, row)
+            for column, row in room
+            for shift in range(len(words))
+            if self._takes(room, column - shift, row, len(words), gap)
+        }
+        if not starts:
+            return False
+        middle = home[0] - len(words) // 2
+        column, row = min(
+            starts, key=lambda at: (2 * abs(at[1] - home[1]) + abs(at[0] - middle), at)
+        )
+        self.write(column, row, words)
+        return True
+
+    def _takes(
+        self, room: set[tuple[int, int]], column: int, row: int, length: int, gap: int
+    ) -> bool:
+        around = range(column - gap, column + length + gap)
+        return (
+            all((column + i, row) in room for i in range(length))
+            and self.free(column, row, length)
+            and not any((x, row) in self._text for x in around)
+        )
+
+    def _reach(self, start: tuple[int, int], *, walls: bool = False) -> list[tuple[int, int]]:
+        """Return the cells from `start` outwards, as far as no wall stands; walls: through them."""
+        found, known, i = [start], {start}, 0
+        while i < len(found):
+            column, row = found[i]
+            i += 1
+            for to in ((column + 1, row), (column - 1, row), (column, row - 1), (column, row + 1)):
+                inside = 0 <= to[0] < self.columns and 0 <= to[1] < self.rows
+                if inside and to not in known and (walls or not self._lines[to[1]][to[0]]):
+                    known.add(to)
+                    found.append(to)
+        return found
 
     def lines(self, *, ascii_only: bool) -> list[str]:
         """Return the rows as text."""
@@ -158,16 +212,9 @@ def draw_floor(
     if bounds is None or columns < 8 or rows < 4:
         return []
     canvas = _Canvas(bounds, columns, rows)
-    for polygon in [region.polygon for region in floor.regions] or [_corners(bounds)]:
-        for i, corner in enumerate(polygon):
-            canvas.wall(corner, polygon[(i + 1) % len(polygon)])
-    for mark in marks:
-        column, row = canvas.cell(mark.at)
-        canvas.write(column, row, mark.label)
-    if floor.robot is not None:
-        canvas.write_near(floor.robot, robot)
-    for region in floor.regions:
-        _name_room(canvas, region)
+    if not _fill(canvas, bounds, floor, marks, robot):  # letters need the width
+        canvas = _Canvas(bounds, columns, rows, to_scale=False)
+        _fill(canvas, bounds, floor, marks, robot)
     if not floor.regions:
         for place in floor.places:
             column, row = canvas.cell(place)
@@ -176,25 +223,59 @@ def draw_floor(
     return canvas.lines(ascii_only=ascii_only)
 
 
+def _fill(
+    canvas: _Canvas,
+    bounds: tuple[float, float, float, float],
+    floor: Floor,
+    marks: Sequence[Mark],
+    robot: str,
+) -> bool:
+    """Draw walls, numbers, the robot and the names of rooms; False where a name is cut short."""
+    for polygon in [region.polygon for region in floor.regions] or [_corners(bounds)]:
+        if _has_room(canvas, polygon):
+            for i, corner in enumerate(polygon):
+                canvas.wall(corner, polygon[(i + 1) % len(polygon)])
+    for mark in marks:
+        canvas.write_near(mark.at, mark.label)
+    if floor.robot is not None:
+        canvas.write_near(floor.robot, robot)
+    rooms = sorted(floor.regions, key=lambda region: not _has_room(canvas, region.polygon))
+    whole = [_name_room(canvas, region) for region in rooms]
+    return all(whole)
+
+
 def is_drawable(floor: Floor, marks: Sequence[Mark]) -> bool:
     """Whether there is anything to draw, however little room there may be for it."""
     return _bounds(floor, marks) is not None
 
 
-def _name_room(canvas: _Canvas, region: Region) -> None:
-    """Write a room's name near its middle, on the nearest row where nothing stands in its way."""
-    xs, ys = [x for x, _ in region.polygon], [y for _, y in region.polygon]
+def _span(canvas: _Canvas, polygon: Sequence[Point]) -> tuple[int, int, int, int]:
+    """Return the first and last column, the first and last row of a polygon."""
+    xs, ys = [x for x, _ in polygon], [y for _, y in polygon]
     left, top = canvas.cell((min(xs), max(ys)))
     right, bottom = canvas.cell((max(xs), min(ys)))
-    name = shorten(clean(region.name), max(right - left - 1, 0))
+    return left, right, top, bottom
+
+
+def _has_room(canvas: _Canvas, polygon: Sequence[Point]) -> bool:
+    """Whether a number fits between walls around it: a desk on a small map has no walls."""
+    left, right, top, bottom = _span(canvas, polygon)
+    return right - left > 3 and bottom - top > 1
+
+
+def _name_room(canvas: _Canvas, region: Region) -> bool:
+    """Write a room's name near its middle, where nothing stands in its way; False if not whole."""
+    xs, ys = [x for x, _ in region.polygon], [y for _, y in region.polygon]
+    middle = (min(xs) + max(xs)) / 2, (min(ys) + max(ys)) / 2
+    name = clean(region.name)
     if width_of(name) != len(name):  # wide letters would push the wall aside
-        return
-    column = (left + right + 1 - len(name)) // 2
-    middle = (top + bottom) // 2
-    for row in sorted(range(top + 1, bottom), key=lambda row: abs(row - middle)):
-        if name and canvas.free(column, row, len(name)):
-            canvas.write(column, row, name)
-            return
+        return True
+    if canvas.write_inside(middle, name, gap=1) or canvas.write_inside(middle, name, gap=0):
+        return True
+    for width in range(len(name) - 1, _LEAST_OF_A_NAME - 1, -1):
+        if canvas.write_inside(middle, shorten(name, width), gap=1):
+            break
+    return False
 
 
 def _bounds(floor: Floor, marks: Sequence[Mark]) -> tuple[float, float, float, float] | None:

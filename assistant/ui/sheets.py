@@ -18,6 +18,7 @@ from assistant.keymap import ACTIONS
 from assistant.protocols import Kind
 from assistant.terminal import clean, clean_lines
 from assistant.ui.boxing import first_box, grown, moved, spanned
+from assistant.ui.floor import marks_of
 from assistant.ui.footer import SheetFoot
 from assistant.ui.keys import closing
 from assistant.ui.panels import FloorView
@@ -259,12 +260,15 @@ class FloorSheet(Overlay):
         """Lay out the map, what its numbers are, and how to leave."""
         yield Static("Map", id="sheet-title", markup=False)
         yield FloorView(id="floor-large")
+        marked = {mark.label for mark in marks_of(self._keyframes)}
         lines = [
             f"{k.rank}  {clean(place_words(k))}, {short_time(k.end, self._now)}"
-            for k in self._keyframes[:3]
+            for k in self._keyframes
+            if str(k.rank) in marked
         ]
-        yield Static("\n".join(lines), id="floor-words", markup=False)
-        yield SheetFoot("Esc: back")
+        with VerticalScroll(id="floor-places"):
+            yield Static("\n".join(lines), id="floor-words", markup=False)
+        yield SheetFoot("Esc: back   arrows: scroll the places")
 
     def on_mount(self) -> None:
         """Draw the map."""

@@ -11,6 +11,7 @@ from PIL import Image
 from textual.command import CommandList, CommandPalette
 from textual.widgets import Static
 
+from assistant.ui.floor import marks_of
 from assistant.ui.history import History
 from assistant.ui.lists import KeyframeList, QuestionList
 from assistant.ui.panels import FloorView
@@ -465,6 +466,16 @@ async def test_an_unknown_word_after_a_slash_names_the_known_ones() -> None:
         await c.pilot.pause()
         [notice] = c.app._notifications
         assert "/help" in notice.message
+
+
+async def test_the_large_map_names_the_place_of_each_number() -> None:
+    async with chat(size=(80, 24)) as c:
+        await c.ask()
+        await c.pilot.press("f3")
+        await c.pilot.pause()
+        words = str(c.app.screen.query_one("#floor-words", Static).content).splitlines()
+        marked = [mark.label for mark in marks_of(c.app.chat.keyframes)]
+        assert [line.split()[0] for line in words] == marked
 
 
 async def test_a_map_that_has_no_room_says_where_it_is() -> None:

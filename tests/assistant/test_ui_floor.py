@@ -35,8 +35,8 @@ def test_the_map_shows_rooms_names_numbers_and_the_robot() -> None:
         "│               │               │",
         "├───────────────┤    kitchen    │",
         "│               │               │",
-        "│      lab      │       1       │",
-        "│           R   │               │",
+        "│               │       1       │",
+        "│      lab  R   │               │",
         "│               │               │",
         "└───────────────┴───────────────┘",
     ]
@@ -73,6 +73,44 @@ def test_a_room_named_in_escapes_stays_inside_its_walls() -> None:
     lines = draw_floor(Floor(regions=(room,)), (), 16, 8)
     assert "\x1b" not in "".join(lines)
     assert all(width_of(line) <= 16 for line in lines)
+
+
+def rooms(*names: str) -> tuple[Region, ...]:
+    """Rooms of 4 x 4 m side by side."""
+    return tuple(
+        Region(name, ((4 * i, 0), (4 * i + 4, 0), (4 * i + 4, 4), (4 * i, 4)))
+        for i, name in enumerate(names)
+    )
+
+
+def test_a_map_that_cannot_hold_the_names_to_scale_takes_the_width() -> None:
+    floor = Floor(regions=rooms("kitchen", "living room"), robot=(6, 2))
+    marks = [Mark(str(i), (1 + i * 0.6, 3.5 - i * 0.8)) for i in range(1, 5)]
+    lines = draw_floor(floor, marks, 34, 6)
+    text = "\n".join(lines)
+    assert "kitchen" in text
+    assert "living room" in text
+    assert max(map(len, lines)) == 34
+    to_scale = draw_floor(Floor(regions=rooms("hall", "lab")), (), 34, 6)
+    assert max(len(line.strip()) for line in to_scale) == 21
+
+
+def test_numbers_in_one_cell_stand_side_by_side() -> None:
+    marks = [Mark(str(i), (2 + i / 100, 2)) for i in range(1, 7)]
+    floor = Floor(regions=rooms("kitchen", "hall"), robot=(2.05, 2))
+    text = "\n".join(draw_floor(floor, marks, 26, 6))
+    left = "\n".join(line[: len(line) // 2 + 1] for line in text.splitlines())
+    assert all(left.count(label) == 1 for label in "123456R")  # none in the room next door
+
+
+def test_a_place_too_small_for_walls_keeps_its_name() -> None:
+    desk = Region("desk", ((1, 1), (1.5, 1), (1.5, 1.5), (1, 1.5)))
+    lines = draw_floor(Floor(regions=(*rooms("kitchen"), desk)), [Mark("2", (1.2, 1.2))], 24, 9)
+    text = "\n".join(lines)
+    assert "desk" in text
+    assert "kitchen" in text
+    assert "2" in text
+    assert [text.count(corner) for corner in "┌┐└┘"] == [1, 1, 1, 1]
 
 
 @given(
