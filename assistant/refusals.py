@@ -44,19 +44,18 @@ def refusal_words(answer: Answer, query: FormalQuery, now: datetime) -> str:
     told = f"{opening}I never saw {none}{condition}."
     time = f" {slice_words(query.time, now)}" if query.time else ""
     refused = answer.otherwise.why.get("refused") if answer.otherwise is not None else None
-    if answer.looked_then is False and answer.reason in ("not_then", "not_there"):
+    change = query.ask in ("moved", "missing")
+    if answer.looked_then is False and (change or answer.reason in ("not_then", "not_there")):
         told = f"I was not looking{looking_into(answer, query)}{time}, so I cannot tell."
-    elif query.ask in ("moved", "missing") and answer.looked_then is False:
-        told = f"I was not looking{time}, so I cannot tell."
     elif refused:
         told = f"{opening}{_none_like_it(answer, query, refused, now)}"
     elif answer.apart:
         things = definite(term, plural(described(term, answer.unjudged)))
         spread = counted(answer.apart, "place")
         told = f"I saw {things} in {spread}{time}. I cannot be sure that they are the same."
-    elif query.ask in ("moved", "missing"):
+    elif change:
         verb = "moved" if query.ask == "moved" else "is missing"
-        told = f"As far as I saw, nothing {verb}{time}."
+        told = f"As far as I saw, nothing {verb}{condition}{time}."
     elif answer.reason in ("not_then", "not_there"):
         place = condition if answer.reason == "not_there" else ""
         told = f"{opening}I did not see {none}{place}{time}."

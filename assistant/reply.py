@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable
+from dataclasses import replace
 from datetime import datetime
 
 from assistant.caveats import is_open, left_out, sureness
@@ -32,6 +33,7 @@ from assistant.phrases import (
     gone_words,
     heads_of,
     indefinite,
+    is_room,
     kind_of,
     likely_of,
     newest_of,
@@ -41,10 +43,11 @@ from assistant.phrases import (
     said_many,
     tells_nothing,
     term_of,
+    the_place,
     where_words,
 )
 from assistant.refusals import looking_into, refusal_words
-from assistant.wording import NOT_SURE
+from assistant.wording import FAIRLY_SURE, NOT_SURE
 from d3a.answer import Answer, RankedKeyframe
 from d3a.colours import is_colour
 from d3a.points import MINUTE, edge_of
@@ -317,11 +320,26 @@ def _how_often(answer: Answer, query: FormalQuery, now: datetime) -> str:
 
 
 def _moved(answer: Answer, query: FormalQuery, now: datetime) -> str:
+    """Return what was at another place when it was seen again; when it moved, nobody saw."""
+    once, anywhere = _each_once(answer), replace(query, place=None)
+    sure = [k for k in once if k.score >= FAIRLY_SURE]
     told = []
-    for keyframe in _each_once(answer)[:_LISTED]:
-        where = where_words(keyframe, query) or "at a place that has no name"
-        told.append(f"the {kind_of(keyframe)}, seen {where} {when(keyframe.start, now)}")
-    return f"{sentence_case(counted(answer.count, 'thing'))} moved{_among(told, answer)}."
+    for keyframe in (sure or once)[:_LISTED]:
+        where = where_words(keyframe, anywhere) or "at a place that has no name"
+        told.append(f"the {kind_of(keyframe)}, {where} {when(keyframe.end, now)}")
+    number = len(sure) or answer.count
+    things, condition = sentence_case(counted(number, "thing")), condition_words(answer, query)
+    if query.place is not None and is_room(query.place) and condition:
+        condition = f" into, within or out of {the_place(query.place)}"
+    said = f"{things} may have moved{condition}"
+    if sure:
+        seen = "it" if number == 1 else "them"
+        said = f"At least {counted(number, 'thing')} had moved{condition}"
+        said += f" when I saw {seen} again"
+    among = ", among them" if len(told) < number else ""
+    rest = answer.count - number
+    more = f" {sentence_case(counted(rest, 'other thing'))} may have moved." if rest else ""
+    return f"{said}{among}: {'; '.join(told)}.{more}"
 
 
 def _missing(answer: Answer, query: FormalQuery, now: datetime) -> str:
@@ -337,7 +355,10 @@ def _missing(answer: Answer, query: FormalQuery, now: datetime) -> str:
 
 def _each_once(answer: Answer) -> list[RankedKeyframe]:
     """Return the best ranked keyframe of each object: a thing may have moved twice."""
-    return list({k.object_id: k for k in reversed(heads_of(answer))}.values())[::-1]
+    once: dict[str, RankedKeyframe] = {}
+    for keyframe in heads_of(answer):
+        once.setdefault(keyframe.object_id, keyframe)
+    return list(once.values())
 
 
 def _among(told: list[str], answer: Answer) -> str:

@@ -35,22 +35,36 @@ def by_object(sightings: Sequence[Sighting]) -> dict[str, list[Sighting]]:
     return out
 
 
-def moved(found: Found, when: Slice) -> list[Moment]:
+def moved(found: Found, when: Slice, everywhere: Sequence[Sighting] | None = None) -> list[Moment]:
     """Return the first sighting after each change of place within the slice.
 
     The association links an object's stays and says how sure it is (`moved_from`); a change
-    without such a link has the chance of a coin.
+    without such a link has the chance of a coin. What was last seen before the slice may have
+    moved before it: as likely as the time unseen lies outside.
+    everywhere: the sightings before those outside of an asked room were dropped; then what came
+    into the room or left it, or moved within.
     """
     out: list[Moment] = []
-    for sightings in by_object(found.sightings).values():
+    inside = {s.stay for s in found.sightings}
+    for sightings in by_object(found.sightings if everywhere is None else everywhere).values():
         for before, after in changes_of_place(sightings):
-            if when.holds(after.start_ms):
+            if when.holds(after.start_ms) and not inside.isdisjoint((before.stay, after.stay)):
                 stay = found.stays.get(after.stay)
                 linked = stay.moved_from if stay is not None else None
                 sure = linked[1] if linked is not None and linked[0] == before.place else 0.5
-                moment = single(found, after)
-                out.append(moment._replace(relation=max(0.0, min(1.0, sure))))
+                sure *= _share_within(when, before.end_ms, after.start_ms)
+                place = max(found.place.get(s.stay, 1.0) for s in (before, after))
+                entry = entry_of(found, after)._replace(place=place)
+                relation = max(0.0, min(1.0, sure))
+                out.append(Moment((entry,), after.start_ms, after.end_ms, relation=relation))
     return out
+
+
+def _share_within(when: Slice, start_ms: int, end_ms: int) -> float:
+    """Return which share of an interval that ends in a slice lies in it."""
+    if when.start_ms is None or start_ms >= when.start_ms:
+        return 1.0
+    return (end_ms - when.start_ms) / (end_ms - start_ms)
 
 
 def missing(found: Found, when: Slice) -> list[Moment]:

@@ -124,7 +124,8 @@ def _take(run: Run, step: Step) -> None:
         case KeepPresent():
             keep_present(run, step)
         case KeepMoved():
-            run.moments = moved(run.found[step.var], _slice(step.start, step.end))
+            everywhere = run.before_place.get(step.var)
+            run.moments = moved(run.found[step.var], _slice(step.start, step.end), everywhere)
         case KeepMissing():
             run.moments = missing(run.found[step.var], _slice(step.start, step.end))
         case KeepUsual():

@@ -84,6 +84,27 @@ def test_what_is_counted_at_a_moment_was_seen_then(
     assert "today at 14:00, so I cannot tell." in said
 
 
+def test_what_moved_is_told_as_the_least_and_by_the_times_of_its_rows(two_rooms: Home) -> None:
+    two_rooms.thing("key", "key")
+    two_rooms.seen("key", 0, at=(1, 2, 1))
+    two_rooms.seen("key", 100, 130, at=(6, 2, 1), place=1, moved_from=(0, 0.95))
+    assert told(two_rooms, "What moved today?") == (
+        "At least one thing had moved when I saw it again: the key, in the living room today at "
+        "14:10, 5 hours ago. One other thing may have moved."
+    )
+    said = told(two_rooms, "What moved in the kitchen today?")
+    assert said.startswith(
+        "At least one thing had moved into, within or out of the kitchen when I saw it again: "
+        "the key, in the living room today"
+    )
+    said = told(two_rooms, "What moved in the kitchen at 5 am today?")
+    assert said.startswith("I was not looking in the kitchen today at 5:00, so I cannot tell.")
+    two_rooms.room("hall", 20, 20, 22, 22)
+    assert told(two_rooms, "What moved in the hall?").startswith(
+        "As far as I saw, nothing moved in the hall."
+    )
+
+
 def test_anything_elsewhere_is_not_told_instead_of_what_is_in_the_room(two_rooms: Home) -> None:
     two_rooms.room("hall", 20, 20, 22, 22)
     store = OracleStore()

@@ -367,6 +367,30 @@ def test_what_moved_and_what_is_missing() -> None:
     assert early.status == "not_found"
 
 
+def test_what_moved_in_a_room_came_left_or_changed_its_place_there() -> None:
+    home = Home()
+    home.room("kitchen", -1, -1, 3, 3)
+    home.room("hall", 4, -1, 9, 3)
+    for name, first, second in (("came", 6, 1), ("left", 1, 6), ("never", 6, 8), ("within", 0, 2)):
+        home.thing(name, "cup")
+        home.seen(name, 0, at=(first, 0, 0))
+        home.seen(name, 60, at=(second, 0, 0), place=1, moved_from=(0, 0.9))
+    answer = run(home, query(ask="moved", place="kitchen"))
+    assert sorted(ids(answer)) == ["came", "left", "within"]
+    assert min(k.score for k in answer.keyframes) > 0.5
+    assert sorted(ids(run(home, query(ask="moved", place="hall")))) == ["came", "left", "never"]
+
+
+def test_what_was_last_seen_before_the_slice_may_have_moved_before_it() -> None:
+    home = Home()
+    home.thing("cup", "cup")
+    home.seen("cup", 0, at=(0, 0, 0))
+    home.seen("cup", 60, at=(3, 0, 0), place=1, moved_from=(0, 0.8))
+    for start, share in ((0, 1.0), (15, 0.75), (45, 0.25)):
+        moved = run(home, query(ask="moved", time=TimeSlice(at(start), at(90))))
+        assert moved.keyframes[0].why["relation"] == pytest.approx(0.8 * share)
+
+
 def test_usual_place_by_share_of_time() -> None:
     home = Home()
     home.thing("keys", "key")
