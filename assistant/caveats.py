@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from assistant.english import NUMBERS, listed, times
-from assistant.phrases import at_place, heads_of, newest_of, said_many, term_of
+from assistant.phrases import at_place, heads_of, likely_of, newest_of, said_many, term_of
 from assistant.wording import how_sure
 from d3a.answer import Answer, RankedKeyframe, is_by_look
 from grammar.forms import ANYTHING, FormalQuery
@@ -42,9 +42,12 @@ def sureness(answer: Answer, query: FormalQuery) -> str:
 def _seen(answer: Answer, query: FormalQuery, best: RankedKeyframe) -> str:
     """Return how often the best was seen, as its row says it, and there in all.
 
-    Where another row is told, or several are, the number of one is no reason.
+    Where another row is told, the number of one is no reason; where all likely ones are told as
+    so many occasions, they count together.
     """
     views = max(int(best.why.get("views", best.seen)), best.seen)
+    if query.ask != "where" and query.select == "all":
+        views = max(views, sum(keyframe.seen for keyframe in likely_of(answer)))
     told = query.ask == "where" or newest_of(answer) == best
     if views == best.seen:
         return f"seen {times(views)}"

@@ -271,11 +271,20 @@ def newest_of(answer: Answer) -> RankedKeyframe:
     return max(likely_of(answer), key=lambda k: (k.end, -k.rank))
 
 
-def gone_words(keyframe: RankedKeyframe, now: datetime, *, many: bool = False) -> str:
-    """Return that the place was empty later, "" where nobody looked or it was still there."""
+def gone_words(
+    keyframe: RankedKeyframe, now: datetime, *, many: bool = False, leads: bool = False
+) -> str:
+    """Return that the place was empty later, "" where nobody looked or it was still there.
+
+    leads: before the place is told, so that there is no "there" yet.
+    """
     absent = keyframe.last_absent
     if absent is None:
         return ""
     local = absent.astimezone(now.tzinfo)
-    pronoun = "they were" if many else "it was"
-    return f"When I looked there again {day_of(local, now)} at {clock(local)}, {pronoun} gone."
+    moment = f"{day_of(local, now)} at {clock(local)}"
+    pronoun, verb = ("they", "were") if many else ("it", "was")
+    if leads:
+        last = f"where I had last seen {'them' if many else 'it'}"
+        return f"When I looked again {moment} {last}, {pronoun} {verb} gone."
+    return f"When I looked there again {moment}, {pronoun} {verb} gone."

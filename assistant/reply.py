@@ -143,7 +143,7 @@ def _where(answer: Answer, query: FormalQuery, now: datetime) -> str:
     where, last = where_words(best, query), "last " if query.select == "last" else ""
     first = "first " if query.select == "first" else ""
     many = said_many(query, term)
-    gone = gone_words(best, now, many=many) if query.select == "last" else ""
+    gone = gone_words(best, now, many=many, leads=True) if query.select == "last" else ""
     if "same" in best.why:  # the detector had another word for it there
         words += f" (or {article(kind_of(best))} like {'them' if many else 'it'})"
     if where:

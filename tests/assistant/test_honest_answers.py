@@ -105,6 +105,14 @@ def test_what_moved_is_told_as_the_least_and_by_the_times_of_its_rows(two_rooms:
     )
 
 
+def test_no_fewer_views_are_told_than_occasions(two_rooms: Home) -> None:
+    said = told(two_rooms, "Did you see a cup?")
+    assert said.endswith(
+        "on two occasions in two places, last today at 15:30, 4 hours ago, in the "
+        "living room. I am fairly sure: seen ten times in all."
+    )
+
+
 def test_anything_elsewhere_is_not_told_instead_of_what_is_in_the_room(two_rooms: Home) -> None:
     two_rooms.room("hall", 20, 20, 22, 22)
     store = OracleStore()

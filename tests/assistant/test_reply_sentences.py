@@ -68,9 +68,9 @@ SAID = {
         "31 hours ago. I am fairly sure: seen five times."
     ),
     "Where is the bowl?": (
-        "When I looked there again today at 13:40, it was gone. In the kitchen, next to the "
-        "dining table. I last saw the bowl there today at 12:30, 6 hours ago. I am fairly sure: "
-        "seen five times."
+        "When I looked again today at 13:40 where I had last seen it, it was gone. In the kitchen, "
+        "next to the dining table. I last saw the bowl there today at 12:30, 6 hours ago. I am "
+        "fairly sure: seen five times."
     ),
     "Is there a bowl on the dining table?": (
         "No, not any more. I last saw the bowl today at 12:30, 6 hours ago, in the kitchen. When "
@@ -165,7 +165,7 @@ SAID = {
     "Did you see a wooden cup?": (
         "I cannot tell what is “wooden” here. I saw a cup on three occasions in three places, last "
         "today at 15:30, 4 hours ago, in the living room, next to the couch. I am fairly sure: "
-        "seen five times."
+        "seen 15 times in all."
     ),
     "How long was the red cup in the kitchen?": (
         "About 30 minutes: that is how long I saw the red cup in the kitchen, last today at "
