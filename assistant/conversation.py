@@ -44,6 +44,7 @@ if TYPE_CHECKING:
 
 Keep = Callable[[RankedKeyframe], bool]
 _THERE = re.compile(r"\b(?:it|they|them|one) there\b")
+_PRONOUN = re.compile(r"\b(?:it|they|them|its|their)\b")
 _RETRY = frozenset({"again", "try again", "ask again", "retry", "once more"})
 _YES = frozenset(
     {"yes", "yes please", "yes it is", "yes they are", "sure", "right", "correct", "do"}
@@ -123,9 +124,12 @@ class Conversation:
     # questions and follow-ups
 
     def _question(self, text: str) -> Answer:
-        before = self._said
+        before, told_of = self._said, _told_of(self._said.answer)
         self._said = replace(before, text=text)
-        answer, spoken = self._answer(text)
+        if told_of is not None and _PRONOUN.search(text.lower()):
+            other = told_of.otherwise
+            before = replace(before, last=told_of.query, meant=other.object_id if other else None)
+        answer, spoken = self._answer(text, before.last)
         if spoken is None or answer.status not in ("found", "not_found"):
             return answer
         heard = replace(spoken, corrections=())  # told once, not with each answer again
@@ -139,7 +143,7 @@ class Conversation:
         self.pointer.to(told(answer))
         return answer
 
-    def _answer(self, text: str) -> tuple[Answer, FormalQuery | None]:
+    def _answer(self, text: str, last: FormalQuery | None) -> tuple[Answer, FormalQuery | None]:
         """Return the answer and the query as it was spoken: the answer's own has places in it."""
         started, now = perf_counter(), self._now()
         try:
@@ -147,7 +151,7 @@ class Conversation:
                 query = read(text, now=now)
             else:
                 words, seen = store_words(self._store), _seen(self.pointer.row)
-                query = follow(text, now=now, words=words, last=self._said.last, seen=seen)
+                query = follow(text, now=now, words=words, last=last, seen=seen)
         except QuestionError as error:
             return refusal(error), None
         except StoreError as error:
@@ -335,6 +339,24 @@ class Conversation:
 def _nowhere_else(query: FormalQuery) -> str:
     beside = "before" if query.time is not None and query.time.start is None else "after"
     return f"I did not see it anywhere else {beside} that."
+
+
+def _told_of(answer: Answer | None) -> Answer | None:
+    """Return an answer whose query is of the thing told in place of what was asked for.
+
+    After "I saw a bowl, but none that looked blue", `it` is that bowl: not the blue one.
+    """
+    query, other = (answer.query, answer.otherwise) if answer is not None else (None, None)
+    refused = other.why.get("refused") if other is not None else None
+    if answer is None or query is None or not refused:
+        return None
+    term = query.objects[0]
+    plain = replace(
+        term,
+        attributes=tuple(word for word in term.attributes if word not in refused),
+        without=tuple(word for word in term.without if f"not {word}" not in refused),
+    )
+    return replace(answer, query=replace(query, objects=(plain, *query.objects[1:])))
 
 
 def _plain(text: str) -> str:

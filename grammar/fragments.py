@@ -51,6 +51,8 @@ _ASKED_ANEW: dict[str, Ask] = {
     "which": "what", "which one": "what", "which ones": "what", "show me": "what",
     "show them": "what", "show me them": "what", "list them": "what", "when was that": "when",
     "when is that": "when", "where was that": "where",
+    "how many are there": "count", "how many were there": "count",
+    "how many of them are there": "count", "how many of them were there": "count",
 }  # fmt: skip
 _UNITS = {"minute": 60, "hour": 3600, "day": 86400, "week": 604800}
 _AMOUNT_BEFORE = ("before that", "before", "earlier", "prior to that")

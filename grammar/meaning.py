@@ -20,6 +20,7 @@ from grammar.forms import (
 
 THING = ObjectTerm(ANYTHING, "thing")
 _PLACED: tuple[Ask, ...] = ("where", "when", "how_long", "how_often", "moved", "missing")
+_CHANGES: tuple[Ask, ...] = ("moved", "missing")
 
 
 @dataclass(frozen=True, slots=True)
@@ -133,6 +134,8 @@ def query(
     """
     ask = meaning.ask or "where"
     objects, relation, place = _arranged(meaning)
+    if ask in _CHANGES and relation is not None and relation.kind == "together":
+        raise MeaningError("it tells what moved or is missing, not together with what")
     chosen: Select = select or meaning.select or "all"
     if chosen == "all" and meaning.newest and time is None and ask == "where":
         chosen = "last"
