@@ -22,7 +22,7 @@ from textual.screen import Screen
 from textual.widgets import Input
 
 from assistant.protocols import Kind
-from assistant.session import Session, known_words, questions_for
+from assistant.session import Session, known_words, questions_for, told
 from assistant.speaking import Voice
 from assistant.terminal import clean
 from assistant.ui.chat import ChatScreen, World
@@ -184,8 +184,11 @@ class ChatApp(App[None], inherit_bindings=False):
             return None
 
     def on_chat_app_answered(self, message: Answered) -> None:
-        """Show an answer, unless a newer question was asked or this one was stopped."""
+        """Show an answer; one that comes late goes to what was said earlier."""
         if message.number != self._asked:
+            self.chat.show_late(message.answer)
+            if message.answer.query is None:  # no question: something was done
+                self.notify(clean(told(message.answer)[0]), markup=False)
             return
         self._waiting = False
         self._answer, self._chosen = message.answer, None
@@ -322,7 +325,7 @@ class ChatApp(App[None], inherit_bindings=False):
             words = f"{self._saves} cannot be written: {error.strerror or error}"
             self.notify(words, severity="error", markup=False)
             return
-        self.notify("\n".join(f"Saved {path}" for path in written), markup=False)
+        self.notify(f"Saved {len(written)} files in {self._saves}", markup=False)
 
     def action_copy_answer(self) -> None:
         """Copy the answer and its rows: by the desktop, else by the terminal, else to a file."""
@@ -371,10 +374,10 @@ class ChatApp(App[None], inherit_bindings=False):
         self.chat.focus_prompt()
 
     def action_forget(self) -> None:
-        """Forget the questions of this and earlier chats."""
-        self._history.wipe()
-        self.chat.show_earlier(())
-        self.notify(self._history.problem or "The questions are forgotten.", markup=False)
+        """Forget the questions of this and earlier chats, once it was said twice."""
+        words = self._history.forget()
+        self.chat.show_earlier(self._history.questions)
+        self.notify(words, markup=False)
 
     def _nothing_yet(self, what: str) -> None:
         self.notify(f"There is no {what} yet: ask a question first.", markup=False)

@@ -264,6 +264,11 @@ class ChatScreen(Screen[None]):
         if not shown:
             self.show_shot(None)
 
+    def show_late(self, answer: Answer) -> None:
+        """Keep an answer that came after something newer was said."""
+        if not self._is_left:
+            self._remember(answer)
+
     def _remember(self, answer: Answer) -> None:
         self._earlier = [exchange(answer), *self._earlier][:EXCHANGES_KEPT]
         said = Text("\n\n").join([Text("Earlier in this chat", style="dim"), *self._earlier])

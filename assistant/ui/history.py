@@ -17,6 +17,7 @@ class History:
     def __init__(self, path: Path | None = None) -> None:
         self._path = path
         self._questions: list[str] = []
+        self._to_be_wiped = False
         self.problem: str | None = None
         if path is not None:
             self._load(path)
@@ -28,6 +29,7 @@ class History:
 
     def add(self, question: str) -> None:
         """Keep a question; one that was asked before moves to the end."""
+        self._to_be_wiped = False
         if question in self._questions:
             self._questions.remove(question)
         self._questions.append(question)
@@ -40,6 +42,17 @@ class History:
                 file.write(json.dumps(question) + "\n")
         except OSError as error:
             self.problem = f"questions are not kept: {error.strerror}"
+
+    def forget(self) -> str:
+        """Wipe the questions when this is said twice in a row; return what is to be told."""
+        if self._questions and not self._to_be_wiped:
+            self._to_be_wiped = True
+            count = len(self._questions)
+            what = "The one question" if count == 1 else f"All {count} questions"
+            return f"{what} of this and earlier chats? Say /forget again to wipe them for good."
+        self._to_be_wiped = False
+        self.wipe()
+        return self.problem or "The questions are forgotten."
 
     def wipe(self) -> None:
         """Forget every question, in the file too."""

@@ -38,9 +38,12 @@ LOOKING = "Esc: back   arrows: others   b: draw a box   c: crop   mouse: draw a 
 BOXING = "Enter: take it   Esc: leave it   arrows: move   shift+arrows or wasd: size"
 HELP = """Type a question in plain English, and Enter.
 
-  Where are my keys?                    Where was the cup this morning?
-  When were the cup and the bowl together?    What is on the table?
-  Did you ever see a red mug?           How many chairs are in the kitchen?
+  Where are my keys?
+  Where was the cup this morning?
+  When were the cup and the bowl together?
+  What is on the table?
+  Did you ever see a red mug?
+  How many chairs are in the kitchen?
 
 Enter      ask; on a row of the list: the whole picture, and back
 Up, Down   earlier questions; Down at the newest: the list
@@ -65,9 +68,16 @@ Each key has a word too: /help /picture /map /speak /large /save /why /copy
 
 Letters too small? Make them larger in your terminal, mostly by Ctrl and +."""
 
+_SAID_ABOVE = ("query ", "times ")
+"""How the lines of an explanation begin that say what the answer says itself."""
+
 
 class Overlay(ModalScreen[None]):
     """What is laid over the chat, until its own key, Enter, q or Esc takes it away."""
+
+    def on_mount(self) -> None:
+        """Take away notices that would hide what is laid there."""
+        self.app.clear_notifications()
 
     def action_dismiss_sheet(self) -> None:
         """Go back to the chat."""
@@ -326,8 +336,14 @@ def why_text(answer: Answer, keyframe: RankedKeyframe | None, explanation: str) 
         spent = ", ".join(f"{name} {ms:.1f} ms" for name, ms in answer.elapsed_ms.items())
         lines += ["", f"Time       {spent}"]
     if explanation:
-        lines += ["", explanation]
+        lines += ["", _beside(explanation)]
     return "\n".join(lines)
+
+
+def _beside(explanation: str) -> str:
+    """Return an explanation without its query and times: the answer's own stand above it."""
+    kept = (line for line in explanation.splitlines() if not line.startswith(_SAID_ABOVE))
+    return "\n".join(kept).strip("\n")
 
 
 def _part(value: object) -> str:

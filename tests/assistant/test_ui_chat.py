@@ -127,6 +127,7 @@ async def test_why_shows_the_formal_query_the_score_and_the_plan() -> None:
         await c.until(lambda: "find [keys]" in text())
         for part in ("keys(x) | STc.find", "Q3", "attributes brass 0.50", "0.70 (fairly sure)"):
             assert part in text()
+        assert "query   " not in text()  # the formal query stands above, once
 
 
 @pytest.mark.parametrize("key", ["f2", "f5", "f6", "f7", "f8"])
@@ -144,7 +145,12 @@ async def test_save_writes_a_card_json_and_a_png_with_the_box(tmp_path: Path) ->
         await c.ask()
         await c.until(lambda: c.app.chat.shot is not None)
         await c.pilot.press("f6")
+        [notice] = c.app._notifications
+        assert notice.message == f"Saved 3 files in {tmp_path / 'saved'}"
         await c.pilot.press("f6")  # a second time overwrites nothing
+        await c.pilot.press("f1")
+        await c.pilot.pause()
+        assert not list(c.app._notifications)  # none hides the help
     files = sorted(path.name for path in (tmp_path / "saved").iterdir())
     assert files == [
         "where-are-my-keys-01-keys-20260301-094200-2.png",
@@ -198,6 +204,7 @@ async def test_up_and_down_walk_through_earlier_questions(tmp_path: Path) -> Non
         await c.pilot.press("down", "down")
         assert c.prompt().value == "where is"
         c.prompt().clear()
+        await c.type("/forget")
         await c.type("/forget")
         await c.until(lambda: not c.prompt().known.earlier)
     assert not (tmp_path / "history.jsonl").exists()
@@ -284,6 +291,28 @@ async def test_a_late_answer_never_replaces_a_newer_one() -> None:
         await c.until(lambda: "You: quick question" in c.said())
         await c.pilot.pause(0.1)
         assert "You: quick question" in c.said()
+        assert "You: slow question" in c.app.chat.earlier  # late, and not lost
+
+
+async def test_what_was_done_is_told_though_something_newer_was_asked() -> None:
+    store = OracleStore()
+    small_home.fill(store)
+    release = threading.Event()
+
+    def slowly(text: str) -> Answer:
+        if "box" not in text:
+            return small_home.answer(text)
+        release.wait(5)
+        return Answer(text=text, status="found", answer="I see the box.")
+
+    async with chat(small_home.session(store, slowly)) as c:
+        await c.type("/box 1 2 3 4")
+        await c.until(lambda: "Looking" in c.said())
+        await c.type(QUESTION)
+        release.set()
+        await c.until(lambda: f"You: {QUESTION}" in c.said())
+        assert "I see the box." in c.app.chat.earlier
+        assert [notice.message for notice in c.app._notifications] == ["I see the box."]
 
 
 async def test_escape_stops_a_question() -> None:
@@ -487,6 +516,31 @@ async def test_a_map_that_has_no_room_says_where_it_is() -> None:
         assert str(floor.render()) == "Map: F3"
     async with chat(small_home.session(OracleStore()), size=(80, 24)) as c:
         assert "no positions" in str(c.app.chat.query_one(FloorView).render())
+
+
+async def test_questions_are_wiped_when_it_is_said_twice() -> None:
+    async with chat() as c:
+        await c.ask()
+        await c.type("/forget")
+        await c.pilot.pause()
+        [notice] = c.app._notifications
+        assert "/forget again" in notice.message
+        assert c.prompt().known.earlier == (QUESTION,)
+        await c.ask("where is the bowl?")  # something else: it was not meant
+        await c.type("/forget")
+        await c.pilot.pause()
+        assert len(c.prompt().known.earlier) == 2
+        await c.type("/forget")
+        await c.until(lambda: c.prompt().known.earlier == ())
+
+
+async def test_an_answer_without_rows_has_no_empty_picture() -> None:
+    async with chat(size=(160, 50)) as c:
+        await c.ask()
+        assert c.app.chat.query_one("#left").display
+        await c.ask("where is my wallet")
+        assert not c.app.chat.query_one("#left").display
+        assert not c.app.chat.query_one("#crop-pane").display
 
 
 async def test_ascii_pictures_need_no_block_characters() -> None:
