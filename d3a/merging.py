@@ -136,8 +136,8 @@ def merge(
     for sighting in sightings:
         if sighting.stay == becomes:
             ledger.remove_sighting(sighting)
-    unbroken = parameters.with_changes(interval_gap_s=parameters.unbroken_gap_s)
-    intervals = joined((Interval.from_sighting(each) for each in sightings), unbroken)
+    seen = (Interval.from_sighting(each) for each in sightings)
+    intervals = joined(seen, parameters, parameters.unbroken_gap_s)
     for interval in intervals:
         ledger.put_sighting(interval.sighting(becomes))
     for encounter in encounters:

@@ -89,7 +89,7 @@ class Parameters:
     move_probability: float = 0.9  # from here on a move is linked
     # Sightings
     interval_gap_s: float = 600.0  # an interval closes after this long without a view
-    unbroken_gaps: float = 3.0  # default: nor by a pause of so many, while no look saw it gone
+    unbroken_gaps: float = 5.0  # default: nor by a pause of so many, while no look saw it gone
     max_interval_s: float = 3600.0  # storage limit; longer ones are split and joined on reading
     # Ingest
     checkpoint_frames: int = 100
@@ -129,6 +129,7 @@ class Parameters:
 DEFAULT = Parameters()
 PAPER = Parameters(profile="paper", interval_gap_s=1800.0)
 """The paper does not say when a time interval ends. It never concludes that a thing is gone, so an
-interval goes on over what the default profile bridges (`unbroken_gap_s`) while no look saw it gone;
-ten minutes would store 2.4 keyframes a place, where the paper's Q1 at Any returns one."""
+interval goes on over half an hour, as the default profile's do over `unbroken_gap_s` while no look
+saw the thing gone; ten minutes would store 2.4 keyframes a place, where the paper's Q1 at Any
+returns one."""
 PROFILES: dict[str, Parameters] = {"default": DEFAULT, "paper": PAPER}

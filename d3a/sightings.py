@@ -1,8 +1,10 @@
 """Scenes as the tiers take them, and the intervals that views of a thing grow into.
 
 An interval is closed by a pause (`interval_gap_s`) and split where it gets longer than a store
-takes (`max_interval_s`); its keyframe is the view with the highest probability, the earlier one
-of equals (paper, Tier 2).
+takes (`max_interval_s`). Where it went on over a longer pause it is not split but ends: the next
+begins at its own first view, so that it has all of its length before it and says nothing of a time
+that no view shows. Its keyframe is the view with the highest probability, the earlier one of equals
+(paper, Tier 2).
 """
 
 from __future__ import annotations
@@ -166,19 +168,24 @@ class Interval:
 INTERVAL_FIELDS = tuple(f.name for f in fields(Interval))
 
 
-def joined(intervals: Iterable[Interval], parameters: Parameters) -> list[Interval]:
+def joined(
+    intervals: Iterable[Interval], parameters: Parameters, bridged_s: float = 0.0
+) -> list[Interval]:
     """Return the intervals by time, those without a pause between them made one.
 
-    Where one would get too long it is split: the next part starts a millisecond after the end, so
-    that a reader can join them again.
+    bridged_s: longer pauses that they go on over. Where one without any would get too long it is
+    split: the next part starts a millisecond after the end, so that a reader can join them again.
     """
+    bridged_ms = round(max(bridged_s, parameters.interval_gap_s) * 1000)
     result: list[Interval] = []
     for each in sorted(intervals, key=lambda i: (i.start_ms, i.end_ms, i.frame)):
         last = result[-1] if result else None
-        if last is None or not last.follows_on(each, parameters):
+        if last is None or each.start_ms - last.end_ms > bridged_ms:
             result.append(each)
         elif last.fits(each, parameters):
             result[-1] = last.union(each)
+        elif not last.follows_on(each, parameters):
+            result.append(each)
         else:
             longest_ms = round(parameters.max_interval_s * 1000)
             start_ms = max(last.end_ms + 1, each.end_ms - longest_ms)

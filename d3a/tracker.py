@@ -149,16 +149,15 @@ class TrackerPipeline:
 
     def _grow(self, place: Place, view: Interval, key: StayKey) -> None:
         """Extend the open interval, or close it and begin another."""
-        old = place.open
-        if old is None or not self._goes_on(place, old, view):
-            place.open = view
-        elif old.fits(view, self._parameters):
+        old, place.open = place.open, view
+        if old is None:
+            return
+        if self._goes_on(place, old, view) and old.fits(view, self._parameters):
             place.open = old.union(view)
             return
-        else:
+        if old.follows_on(view, self._parameters):  # it got too long, and readers join it again
             place.open = replace(view, start_ms=min(old.end_ms + 1, view.end_ms))
-        if old is not None:
-            self._ledger.put_sighting(old.sighting(key))
+        self._ledger.put_sighting(old.sighting(key))
 
     def _goes_on(self, place: Place, old: Interval, view: Interval) -> bool:
         """Say whether a thing stayed between two views: a short pause, or none saw it gone."""

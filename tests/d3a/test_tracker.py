@@ -196,7 +196,7 @@ def test_shared_frames_become_encounters() -> None:
 
 
 def test_an_interval_keeps_its_best_frame_and_closes_after_a_pause() -> None:
-    frames = [single(n, cup(1.0), step_s=60) for n in (0, 1, 2, 40, 41)]
+    frames = [single(n, cup(1.0), step_s=60) for n in (0, 1, 2, 60, 61)]
     first, second = filled(frames).sightings()
     assert (first.seen, second.seen) == (3, 2)
     assert first.end_ms - first.start_ms == 120_000
@@ -234,6 +234,14 @@ def test_an_interval_is_split_and_can_be_joined_again() -> None:
     for one, next_one in pairwise(sightings):
         assert next_one.start_ms - one.end_ms == 1
     assert sum(sighting.seen for sighting in sightings) == 30
+
+
+def test_after_a_bridged_pause_what_is_too_long_begins_at_its_own_first_view() -> None:
+    frames = [single(n, cup(1.0), step_s=60) for n in (0, 1, 41, 81, 82, 100)]
+    first, second = filled(frames).sightings()
+    assert (first.seen, second.seen) == (3, 3)
+    assert first.end_ms - START_MS == 41 * 60_000
+    assert second.start_ms - START_MS == 81 * 60_000
 
 
 # Negative evidence and moves: a thing in front of a wall, then the wall alone
