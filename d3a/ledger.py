@@ -175,12 +175,22 @@ class Ledger:
         return sorted(kept.values(), key=lambda r: (r.start_ms, *r.stay))
 
     def encounters(
-        self, object_id: str | None, start_ms: int | None = None, end_ms: int | None = None
+        self,
+        object_id: str | None,
+        start_ms: int | None = None,
+        end_ms: int | None = None,
+        *,
+        with_ids: Sequence[str] | None = None,
     ) -> list[Encounter]:
-        """Return the encounters of an object, None for all, that touch [start, end], by key."""
+        """Return the encounters of an object, None for all, that touch [start, end], by key.
+
+        with_ids: those with one of these objects; None for any.
+        """
         kept: dict[EncounterKey, Encounter] = {}
         ids = None if object_id is None else [object_id]
-        for record in self._store.encounters(object_ids=ids, start_ms=start_ms, end_ms=end_ms):
+        for record in self._store.encounters(
+            object_ids=ids, with_ids=with_ids, start_ms=start_ms, end_ms=end_ms
+        ):
             a, b = (record.object_a, record.place_a), (record.object_b, record.place_b)
             key = encounter_key(record)
             if not (self._is_gone(a) or self._is_gone(b)):
@@ -189,7 +199,7 @@ class Ledger:
             kept.pop(key, None)
             late = start_ms is not None and record.end_ms < start_ms
             early = end_ms is not None and record.start_ms > end_ms
-            if (object_id is None or object_id in key[:2]) and not late and not early:
+            if not late and not early and _is_between(key[:2], object_id, with_ids):
                 kept[key] = record
         return [kept[key] for key in sorted(kept)]
 
@@ -210,6 +220,15 @@ def _within(record: StayRecord, area: Area | None) -> bool:
         return False
     x, y, _ = record.position
     return area.x_min <= x <= area.x_max and area.y_min <= y <= area.y_max
+
+
+def _is_between(ends: Sequence[str], one: str | None, others: Sequence[str] | None) -> bool:
+    """Say whether an encounter has an object and, at its other end, one of others; None: any."""
+    a, b = ends
+    return any(
+        one in (None, this) and (others is None or that in others)
+        for this, that in ((a, b), (b, a))
+    )
 
 
 def grouped(sightings: Iterable[Sighting]) -> dict[StayKey, list[Sighting]]:

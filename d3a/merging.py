@@ -105,7 +105,8 @@ def likely_same(missed: Known, near: list[Known], evidence: Evidence) -> list[Kn
 def never_together(thing: Known, others: list[Known], ledger: Ledger) -> Known | None:
     """Return the first of `others` that no frame shows beside `thing`; all is written."""
     met: set[str] = set()
-    for encounter in ledger.encounters(thing.object_id):
+    ids = [other.object_id for other in others]
+    for encounter in ledger.encounters(thing.object_id, with_ids=ids):
         met |= {encounter.object_a, encounter.object_b}
     for other in others:
         if other.object_id not in met:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from hypothesis import given
 from hypothesis import strategies as st
 
-from d3a.ledger import Ledger
+from d3a.ledger import Ledger, encounter_key
 from d3a.store.base import Area, Batch, Encounter, ObjectRecord, Sighting, StayRecord
 from tests.worlds.oracle import OracleStore
 
@@ -32,6 +32,10 @@ writes = st.lists(
     ),
     max_size=25,
 )
+
+
+def by_key(encounters: list[Encounter]) -> list[Encounter]:
+    return sorted(encounters, key=encounter_key)
 
 
 def write(ledger: Ledger, step: Write) -> None:
@@ -83,6 +87,8 @@ def test_reads_are_those_of_the_store_after_the_batch(
         ledger.sightings(["o1", "o2"]),
         ledger.sightings(["o1", "o3"], 200, 500),
         ledger.encounters("o1"),
+        ledger.encounters("o1", with_ids=["o3"]),
+        ledger.encounters(None, with_ids=["o3"]),
     )
     store.apply(Batch(**ledger.batch_fields()))
     assert read == (
@@ -94,8 +100,7 @@ def test_reads_are_those_of_the_store_after_the_batch(
         store.stays(area=area),
         store.sightings(object_ids=["o1", "o2"]),
         store.sightings(object_ids=["o1", "o3"], start_ms=200, end_ms=500),
-        sorted(
-            store.encounters(object_ids=["o1"]),
-            key=lambda e: (e.object_a, e.object_b, e.place_a, e.place_b, e.start_ms),
-        ),
+        by_key(store.encounters(object_ids=["o1"])),
+        by_key(store.encounters(object_ids=["o1"], with_ids=["o3"])),
+        by_key(store.encounters(with_ids=["o3"])),
     )
