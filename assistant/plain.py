@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator
 from typing import TextIO
 
 from assistant.session import Session, questions_for, told
+from assistant.slashes import BOX_USAGE, COMMANDS, bare, slashed, unknown
 from assistant.terminal import clean, clean_lines
 from assistant.wording import keyframe_row, more_words
 from d3a.answer import Answer
@@ -22,6 +23,10 @@ HELP = """Type a question, and Enter. Also:
   help          these lines
   quit          leave; so does the end of the input"""
 SHOWN = 3
+_WORDS = ("more", "undo")
+"""Commands that need no slash here, beside those that need none anywhere."""
+_SAYINGS = tuple(name for name, (action, _) in COMMANDS.items() if action.startswith("say("))
+_HERE = ("help", "more", "why", "box", *_SAYINGS, "quit")
 
 
 class PlainChat:
@@ -41,21 +46,36 @@ class PlainChat:
     def hear(self, line: str) -> bool:
         """Answer one line; False when the person is done."""
         text = clean(line).strip()
-        command = text.lower().lstrip("/")
-        if command in ("quit", "exit"):
-            return False
-        if command == "help":
-            self._say(HELP)
-        elif command == "more":
-            self._list(SHOWN)
-        elif command == "why":
-            self._why()
-        elif command == "undo":
-            self._reply(command)
-        elif command.isascii() and command.isdigit() and not self._offers():
-            self._details(int(command))
+        word = bare(text) or (text.lower() if text.lower() in _WORDS else text[1:].lower())
+        if bare(text) or text.lower() in _WORDS or text.startswith("/"):
+            return self._do(word, text)
+        if text.isascii() and text.isdigit() and not self._offers():
+            self._details(int(text))
         elif text:
             self._reply(text)
+        return True
+
+    def _do(self, word: str, typed: str) -> bool:
+        """Do what a command names; False when the person is done."""
+        action = COMMANDS[word][0] if word in COMMANDS else ""
+        if word in ("quit", "exit"):
+            return False
+        if word == "help":
+            self._say(HELP)
+        elif word == "more":
+            self._list(SHOWN)
+        elif word == "why":
+            self._why()
+        elif word.startswith("box "):
+            self._reply(word, typed)
+        elif word == "box":
+            self._say(f"Answer: {BOX_USAGE}")
+        elif action.startswith("say("):
+            self._reply(action[len("say('") : -len("')")])
+        elif action:
+            self._say(f"Answer: /{word} needs the full screen. Here: {slashed(_HERE)}")
+        else:
+            self._say(f"Answer: {unknown(word, _HERE)}")
         return True
 
     def _offers(self) -> bool:
@@ -63,10 +83,10 @@ class PlainChat:
         answer = self._answer
         return answer is not None and bool(answer.suggestions) and answer.query is None
 
-    def _reply(self, text: str) -> None:
+    def _reply(self, text: str, typed: str = "") -> None:
         answer = self._session.safely(text)
         self._answer = answer
-        self._say(f"You: {answer.text if text.isdigit() else text}")
+        self._say(f"You: {answer.text if text.isdigit() else typed or text}")
         sentence, reason = told(answer)
         self._say(f"Answer: {clean(sentence)}")
         if reason:
@@ -91,14 +111,15 @@ class PlainChat:
         if last is not None and len(keyframes) > last:
             self._say(f"{len(keyframes) - last} more: type more")
         if first and len(keyframes) <= first:
-            self._say("There is no more.")
+            self._say("Answer: There is no more.")
         elif last is None and self._answer is not None and self._answer.truncated:
             self._say(more_words(self._answer))
 
     def _details(self, rank: int) -> None:
         keyframes = self._answer.keyframes if self._answer else ()
         if not 1 <= rank <= len(keyframes):
-            self._say(f"There is no {rank}; the list has {len(keyframes)}.")
+            has = f"the list has {len(keyframes)}" if keyframes else "nothing is listed yet"
+            self._say(f"Answer: There is no {rank}; {has}.")
             return
         keyframe = keyframes[rank - 1]
         self._session.pointer.to(keyframe)
@@ -109,7 +130,7 @@ class PlainChat:
 
     def _why(self) -> None:
         if self._answer is None:
-            self._say("Ask a question first.")
+            self._say("Answer: Ask a question first.")
             return
         self._say(clean_lines(self._session.explained(self._answer.text)))
 

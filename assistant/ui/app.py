@@ -23,11 +23,12 @@ from textual.widgets import Input
 
 from assistant.protocols import Kind
 from assistant.session import Session, known_words, questions_for, told
+from assistant.slashes import BOX_USAGE, COMMANDS, bare, unknown
 from assistant.speaking import Voice
 from assistant.terminal import clean
 from assistant.ui.chat import ChatScreen, World
 from assistant.ui.clipboard import copied_here, takes_osc_52
-from assistant.ui.commands import COMMANDS, HIGH_CONTRAST
+from assistant.ui.commands import HIGH_CONTRAST
 from assistant.ui.floor import read_floor
 from assistant.ui.history import History
 from assistant.ui.keys import APP_KEYS, keys_said
@@ -239,10 +240,10 @@ class ChatApp(App[None], inherit_bindings=False):
         """Ask what was typed, or do what a slash names."""
         text = " ".join(clean(event.value).split())
         event.input.clear()
-        if text.lower().startswith("/box"):
+        if text.lower().startswith("/box "):
             self.ask(text[1:])
-        elif text.startswith("/"):
-            self._do(text[1:].lower())
+        elif text.startswith("/") or bare(text):
+            self._do(bare(text) or text[1:].lower())
         elif text:
             self.ask(text)
 
@@ -250,8 +251,8 @@ class ChatApp(App[None], inherit_bindings=False):
         if word in COMMANDS:
             self._run(COMMANDS[word][0])
         else:
-            known = " ".join(f"/{name}" for name in COMMANDS)
-            self.notify(f"There is no /{word}. There are {known}", markup=False)
+            words = BOX_USAGE if word == "box" else unknown(word, [*COMMANDS, "box"])
+            self.notify(words, markup=False)
 
     def on_question_list_taken(self, message: QuestionList.Taken) -> None:
         """Ask one of the questions offered."""

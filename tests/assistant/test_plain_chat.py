@@ -38,11 +38,11 @@ def test_an_answer_is_lines_that_read_aloud() -> None:
 
 def test_numbers_more_why_and_help_are_about_the_last_answer() -> None:
     lines = said("2\nwhere are my keys?\n2\n7\nmore\nwhy\nhelp\nquit\nnever reached\n")
-    assert lines[0] == "There is no 2; the list has 0."
+    assert lines[0] == "Answer: There is no 2; nothing is listed yet."
     assert "2 of 3: keys, 8:15 today, hall, by the door, not sure, seen 3 times" in lines[6:]
     assert "Frame 000001, object keys-1." in lines
-    assert "There is no 7; the list has 3." in lines
-    assert "There is no more." in lines
+    assert "Answer: There is no 7; the list has 3." in lines
+    assert "Answer: There is no more." in lines
     assert "query   keys(x)" in lines
     assert any(line.startswith("Type a question") for line in lines)
     assert not any("never reached" in line for line in lines)
@@ -51,6 +51,22 @@ def test_numbers_more_why_and_help_are_about_the_last_answer() -> None:
 def test_undo_may_be_said_with_a_slash_as_the_other_commands() -> None:
     assert said("/undo\n") == said("undo\n")
     assert said("/undo\n")[0] == "You: undo"
+
+
+@pytest.mark.parametrize(
+    ("typed", "words"),
+    [
+        ("/map", "Answer: /map needs the full screen. Here: /help"),
+        ("/save", "Answer: /save needs the full screen."),
+        ("/nonsense", "Answer: There is no /nonsense. There are /help /more /why /box"),
+        ("/box", "Answer: Say its edges too"),
+        ("/box 1 2 3 4", "You: /box 1 2 3 4"),
+        ("/taught", "You: what did I teach you?"),
+        ("Why?", "Answer: Ask a question first."),
+    ],
+)
+def test_no_command_is_taken_for_a_question(typed: str, words: str) -> None:
+    assert said(f"{typed}\n")[0].startswith(words)
 
 
 def test_a_person_is_greeted_with_questions_to_try() -> None:

@@ -495,6 +495,19 @@ async def test_an_unknown_word_after_a_slash_names_the_known_ones() -> None:
         await c.pilot.pause()
         [notice] = c.app._notifications
         assert "/help" in notice.message
+        assert "/box" in notice.message
+
+
+async def test_why_and_quit_need_no_slash() -> None:
+    async with chat() as c:
+        await c.ask()
+        await c.type("why?")
+        await c.until(lambda: isinstance(c.app.screen, Sheet))
+        await c.pilot.press("escape")
+        await c.type("/box")  # without its edges it is no question about boxes
+        await c.until(lambda: any("LEFT TOP" in each.message for each in c.app._notifications))
+        await c.type("quit")
+        await c.until(lambda: not c.app.is_running)
 
 
 async def test_the_large_map_names_the_place_of_each_number() -> None:

@@ -9,7 +9,7 @@ from textual.command import CommandList, CommandPalette
 
 from assistant.conversation import Conversation
 from assistant.session import Session, told
-from assistant.ui.commands import COMMANDS
+from assistant.slashes import COMMANDS
 from assistant.ui.lists import KeyframeList, QuestionList
 from d3a.answer import Answer
 from d3a.store.base import Batch, RecordingRecord, StoreUnreachable, TaughtName
