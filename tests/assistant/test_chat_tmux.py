@@ -59,7 +59,7 @@ class Terminal:
     def screen(self) -> str:
         return self._call("capture-pane", "-p")
 
-    def until(self, condition: Callable[[str], bool], seconds: float = 20.0) -> str:
+    def until(self, condition: Callable[[str], bool], seconds: float = 60.0) -> str:
         deadline = time.monotonic() + seconds
         while time.monotonic() < deadline:
             screen = self.screen()
@@ -143,25 +143,29 @@ def test_an_idle_chat_sends_nothing(tmp_path: Path) -> None:
     ) as process:
         os.close(slave)
         try:
-            _read_until(master, b"Where are the keys?")
+            _read_until(master, b"Where are the keys?", process)
             os.write(master, b"where are my keys\r")
-            _read_until(master, "┏".encode())  # the box in the picture
+            _read_until(master, "┏".encode(), process)  # the box in the picture
             assert any(_read(master, seconds=2.0) == b"" for _ in range(10))
             os.write(master, b"\x11")
             _read(master, seconds=2.0)
-            assert process.wait(timeout=20) == 0
+            assert process.wait(timeout=60) == 0
         finally:
             process.kill()
             os.close(master)
 
 
-def _read_until(master: int, words: bytes, limit_s: float = 60.0) -> None:
-    """Read until `words` have come."""
+def _read_until(
+    master: int, words: bytes, process: subprocess.Popen[bytes], limit_s: float = 180.0
+) -> None:
+    """Read until `words` have come, or the process has ended without them."""
     seen = b""
     deadline = time.monotonic() + limit_s
     while words not in seen:
-        assert time.monotonic() < deadline, seen[-1000:]
+        has_ended = process.poll() is not None  # what it wrote before is read all the same
         seen += _read(master, seconds=0.1)
+        assert words in seen or not has_ended, seen[-1000:]
+        assert time.monotonic() < deadline, seen[-1000:]
 
 
 def _read(master: int, *, seconds: float) -> bytes:
@@ -209,13 +213,13 @@ def test_bare_d3a_opens_the_chat_on_a_terminal(tmp_path: Path) -> None:
     ) as process:
         os.close(slave)
         try:
-            _read_until(master, b"\x1b[?1049h")  # the alternate screen: not line by line
-            _read_until(master, b"Ask:")
+            _read_until(master, b"\x1b[?1049h", process)  # the alternate screen: not line by line
+            _read_until(master, b"Ask:", process)
             os.write(master, b"where are my keys?\r")
-            _read_until(master, "┏".encode())
+            _read_until(master, "┏".encode(), process)
             os.write(master, b"\x11")
-            _read_until(master, b"\x1b[?1049l")
-            assert process.wait(timeout=20) == 0
+            _read_until(master, b"\x1b[?1049l", process)
+            assert process.wait(timeout=60) == 0
         finally:
             process.kill()
             os.close(master)
