@@ -153,9 +153,28 @@ def _related_words(answer: Answer, query: FormalQuery) -> str:
     if any(condition.endswith(plain) for condition in answer.unjudged):
         return ""
     kind = _RELATIONS.get(query.relation.kind, query.relation.kind)
-    told = [definite(term, numbered(query, term, answer.unjudged)) for term in grounds]
+    told = [
+        definite(term, numbered(query, term, answer.unjudged)) + _where_it_was(answer, query, term)
+        for term in grounds
+    ]
     absent = query.negated and query.ask != "whether"
-    return f" {'not ' if absent else ''}{kind} {listed(told)}"
+    described_by = _where_it_was(answer, query, term_of(query))
+    return f" {'not ' if absent else ''}{kind} {listed(told)}{described_by}"
+
+
+def _where_it_was(answer: Answer, query: FormalQuery, term: ObjectTerm) -> str:
+    """Return what else was said of where an object of the question was: " with the bowl"."""
+    if term.where is None:
+        return ""
+    inner = term.where.object
+    plain = f"the {described(inner)}"
+    if any(condition.endswith(plain) for condition in answer.unjudged):
+        return ""
+    kind = _RELATIONS.get(term.where.kind, term.where.kind)
+    thing = definite(inner, numbered(query, inner, answer.unjudged))
+    if term.where.negated:
+        kind = "without" if kind == "with" else f"not {kind}"
+    return f" {kind} {thing}{_where_it_was(answer, query, inner)}"
 
 
 def plain_place(name: str) -> str:

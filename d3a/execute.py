@@ -298,6 +298,8 @@ def _relate(run: Run, step: Relate) -> None:
         return
     if not figure.candidates or (absent and not step.negated):
         run.moments = []
+        if step.keep == "figure":  # no sighting of it is left for the relations that follow
+            figure.sightings = []
         return
     if absent:  # nothing was ever seen that it could have been with
         return

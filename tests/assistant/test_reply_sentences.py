@@ -63,6 +63,19 @@ SAID = {
         "In the living room, next to the couch. I last saw the blue cup there today at 15:30, 4 "
         "hours ago. I am fairly sure: seen five times."
     ),
+    "When was the cup on the dining table with the bowl?": (
+        "I saw the cup on the dining table with the bowl on two occasions, first today at 12:00 "
+        "and last today at 12:30, 6 hours ago. I am fairly sure: seen five times then, ten times "
+        "in all."
+    ),
+    "When was the cup on the dining table without the bowl?": (
+        "I did not see the cup on the dining table without the bowl. I last saw it today at 15:30, "
+        "4 hours ago, in the living room, next to the couch."
+    ),
+    "Was there a bowl on the dining table with the elephant?": (
+        "I never saw a bowl on the dining table with the elephant. I last looked today at 15:40, "
+        "3 hours ago."
+    ),
     "Where is Anna's key?": (
         "In the living room, next to the couch. I last saw Anna's key there yesterday at 12:00, "
         "31 hours ago. I am fairly sure: seen five times."
