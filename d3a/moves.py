@@ -46,6 +46,18 @@ class Link:
     score: float
 
 
+@dataclass(frozen=True, slots=True)
+class Alike:
+    """What a likeness of two things of a category tells.
+
+    density: of different things at likenesses (BINS,). least: log-odds of the likeness alone from
+    which it tells one thing from the others of the category.
+    """
+
+    density: list[float]
+    least: float
+
+
 class Moves:
     """Finds the moves that are plain, and learns how alike different things look."""
 
@@ -83,7 +95,7 @@ class Moves:
                 and (new.number in changed or old.number in changed)
             ]
             if pairs:
-                links += self._links(pairs, fresh[kind], left, self._densities(kind))
+                links += self._links(pairs, fresh[kind], left, self._told(kind, len(each)))
         return sorted(links, key=lambda link: (link.new.number, link.old.number))
 
     def _alike(self, changed: set[int]) -> dict[str, list[Known]]:
@@ -102,7 +114,7 @@ class Moves:
         pairs: list[Pair],
         fresh: list[Known],
         left: list[tuple[Known, Place]],
-        density: list[float],
+        told: Alike,
     ) -> list[Link]:
         """Return the plain ones of the pairs, against all that either end may be instead.
 
@@ -110,21 +122,21 @@ class Moves:
         """
         least = self._parameters.move_probability
         links = []
-        for (new, old, place), weight in zip(pairs, self._weights(pairs, density), strict=True):
+        for (new, old, place), weight in zip(pairs, self._weights(pairs, told), strict=True):
             if weight * (1.0 - least) < least:
                 continue  # whatever the rivals are, it is not plain: nearly all pairs end here
             rivals = [(new, o, p) for o, p in left if p.last_ms < new.first_ms and o is not new]
             rivals += [
                 (n, old, place) for n in fresh if place.last_ms < n.first_ms and n is not old
             ]
-            others = sum(self._weights(rivals, density))
+            others = sum(self._weights(rivals, told))
             chance = weight / (1.0 + others - weight)  # it is in both lists
             if chance >= least:
                 links.append(Link(old, new, chance))
         return links
 
-    def _weights(self, pairs: list[Pair], density: list[float]) -> list[float]:
-        return [math.exp(min(odds, 50.0)) for odds in self._odds(pairs, density)]
+    def _weights(self, pairs: list[Pair], told: Alike) -> list[float]:
+        return [math.exp(min(odds, 50.0)) for odds in self._odds(pairs, told)]
 
     def _likeness(self, one: Known, others: list[Known]) -> list[float]:
         """Return the cosines of a thing with those of some others whose looks are known."""
@@ -151,10 +163,10 @@ class Moves:
                 for likeness in self._likeness(new, others):
                     counts[_bin(likeness)] += 1.0
 
-    def _odds(self, pairs: list[Pair], density: list[float]) -> list[float]:
+    def _odds(self, pairs: list[Pair], told: Alike) -> list[float]:
         """Return the log-odds (n,) that `new` is `old`, which was last seen at `place`.
 
-        density: see `_densities`. One by one: there are three or four of them.
+        One by one: there are three or four of them.
         """
         parameters, looks = self._parameters, self._memory.looks
         # Means vary less than the views that are compared with them.
@@ -167,11 +179,20 @@ class Moves:
                 away = min((likeness - usual) / SAME_SIGMA, 0.0)
                 bell = math.exp(-(away**2) / 2) / (SAME_SIGMA * math.sqrt(2 * math.pi))
                 same = (1 - SAME_OUTLIERS) * bell + SAME_OUTLIERS / 2
-                look = math.log(same / density[_bin(likeness)])
+                look = math.log(same / told.density[_bin(likeness)])
             left = min(place.evidence, GONE_MOST)
-            is_alike = look >= parameters.plain_odds
+            is_alike = look >= told.least
             odds.append(look + left + parameters.move_odds if is_alike else -math.inf)
         return odds
+
+    def _told(self, kind: str, known: int) -> Alike:
+        """Return what a likeness tells of a category, of which so many confirmed things are known.
+
+        The look has to tell the old thing from others that may have come instead. Where no other
+        is known, the place that it left and a look no stranger than another's do.
+        """
+        least = self._parameters.plain_odds if known > 2 else 0.0
+        return Alike(self._densities(kind), least)
 
     def _densities(self, kind: str) -> list[float]:
         """Return how dense different things of a category lie at likenesses (BINS,).

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
+from d3a.known import Known, Place
 from d3a.likelihood import LookModel
 from d3a.look_space import LookSpace
 from d3a.memory import Memory
@@ -40,3 +42,37 @@ def test_a_category_without_pairs_of_its_own_takes_what_is_usual() -> None:
     moves = _moves({"chair": _pairs(ALIKE, 10.0), "cup": _pairs(UNLIKE, 10.0)})
     assert moves._densities("cup")[ALIKE] < moves._densities("vase")[ALIKE]
     assert moves._densities("vase")[ALIKE] < moves._densities("chair")[ALIKE]
+
+
+def _thing(memory: Memory, number: int, look: list[float], first_ms: int, last_ms: int) -> Known:
+    thing = Known(number, {"bag": 1.0}, first_ms, last_ms, seen=9)
+    thing.places.append(Place(0, first_ms, last_ms, seen=9))
+    memory.things[number] = thing
+    memory.looks.add(thing, np.array(look, dtype=np.float32), 9.0)
+    return thing
+
+
+@pytest.mark.parametrize(("others", "is_linked"), [(0, True), (12, False)])
+def test_a_changed_look_is_enough_where_there_is_only_one_such_thing(
+    others: int, is_linked: bool
+) -> None:
+    mostly_unlike = [a + b for a, b in zip(_pairs(UNLIKE, 30.0), _pairs(ALIKE, 9.0), strict=True)]
+    moves = _moves({"bag": mostly_unlike})
+    memory = moves._memory
+    old = _thing(memory, 0, [1.0, 0.0, 0.0], 0, 1000)
+    old.places[0].evidence, old.places[0].misses = 9.0, 3
+    _thing(memory, 1, [0.88, 0.475, 0.0], 2000, 3000)  # the same in another light
+    for number in range(2, 2 + others):
+        _thing(memory, number, [0.0, 0.0, 1.0], 0, 3000)
+        moves.compared.add(number)
+    links = moves.find({0, 1})
+    assert [(link.old.number, link.new.number) for link in links] == ([(0, 1)] if is_linked else [])
+
+
+def test_a_stranger_s_look_is_no_move_even_of_the_only_such_thing() -> None:
+    moves = _moves({"bag": _pairs(int(0.75 * BINS), 30.0)})
+    memory = moves._memory
+    old = _thing(memory, 0, [1.0, 0.0, 0.0], 0, 1000)
+    old.places[0].evidence, old.places[0].misses = 9.0, 3
+    _thing(memory, 1, [0.0, 1.0, 0.0], 2000, 3000)
+    assert moves.find({0, 1}) == []
