@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from datetime import datetime
 
 from assistant.english import (
@@ -142,7 +143,7 @@ def condition_words(answer: Answer, query: FormalQuery) -> str:
     if f"in the {query.place}" in answer.unjudged:
         return related
     absent = query.negated and query.relation is None and query.ask != "whether"
-    return f"{related} {'not ' if absent else ''}{at_place(query.place)}"
+    return f"{related} {'not ' if absent else ''}{asked_place(query, query.place)}"
 
 
 def _related_words(answer: Answer, query: FormalQuery) -> str:
@@ -207,6 +208,19 @@ def at_place(name: str) -> str:
     if said in ON_PLACES:
         return f"on {the_place(name)}"
     return f"{'in' if is_room(name) else 'at'} {the_place(name)}"
+
+
+def asked_place(query: FormalQuery, name: str) -> str:
+    """Return a place with its preposition; one that is no thing is a room where it is said so.
+
+    What a person calls it need not tell: in the galley, but at the desk.
+    """
+    said = plain_place(name)
+    inside = rf"\b(in|inside)\s+((the|my|our)\s+)?{re.escape(said)}\b"
+    is_thing = said.rpartition(" ")[2] in vocabulary.lexicon().nouns
+    if not is_thing and re.search(inside, query.text.casefold()):
+        return f"in {the_place(name)}"
+    return at_place(name)
 
 
 def where_words(keyframe: RankedKeyframe, query: FormalQuery) -> str:

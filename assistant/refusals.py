@@ -6,7 +6,7 @@ from datetime import datetime
 
 from assistant.english import article, counted, listed, plural, sentence_case, slice_words, when
 from assistant.phrases import (
-    at_place,
+    asked_place,
     condition_words,
     definite,
     described,
@@ -78,7 +78,7 @@ def _last_look(answer: Answer, query: FormalQuery, now: datetime) -> str:
 
 def looking_into(answer: Answer, query: FormalQuery) -> str:
     """Return the room that was looked into: " in the kitchen"; "" where none was asked for."""
-    return f" {at_place(query.place)}" if query.place and not answer.unjudged else ""
+    return f" {asked_place(query, query.place)}" if query.place and not answer.unjudged else ""
 
 
 def _none_like_it(answer: Answer, query: FormalQuery, refused: list[str], now: datetime) -> str:

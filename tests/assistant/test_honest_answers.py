@@ -113,6 +113,15 @@ def test_no_fewer_views_are_told_than_occasions(two_rooms: Home) -> None:
     )
 
 
+def test_a_place_is_told_as_one_to_be_in_where_the_question_said_so(two_rooms: Home) -> None:
+    two_rooms.room("galley", -1, -1, 3, 3)
+    two_rooms.regions = [room for room in two_rooms.regions if room.name != "kitchen"]
+    assert " in the galley today at 12:30" in told(two_rooms, "Did you see a cup in the galley?")
+    assert " at the galley today at 12:30" in told(two_rooms, "Did you see a cup at the galley?")
+    said = told(two_rooms, "Did you see a cup in the galley at 3 am?")
+    assert said.startswith("I was not looking in the galley today at 3:00")
+
+
 def test_anything_elsewhere_is_not_told_instead_of_what_is_in_the_room(two_rooms: Home) -> None:
     two_rooms.room("hall", 20, 20, 22, 22)
     store = OracleStore()
