@@ -205,7 +205,16 @@ class QuestionList(MarkedList):
         """Show these, numbered."""
         self._questions = questions
         lines = [f"{i:>2}  {clean(q)}" for i, q in enumerate(questions, 1)]
-        self.set_lines(lines, 0)
+        self.set_lines(lines, 0 if self.has_focus else None)
+
+    def on_focus(self) -> None:
+        """Mark the first: Enter takes it from now on."""
+        if self.highlighted is None and self.option_count:
+            self.highlighted = 0
+
+    def on_blur(self) -> None:
+        """Mark none: Enter in the question line takes what is typed there."""
+        self.highlighted = None
 
     def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:
         """Pass on which question it is."""
