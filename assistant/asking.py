@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from datetime import datetime
+from itertools import pairwise
 from time import perf_counter
 from typing import Literal, cast, get_args
 from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
@@ -13,6 +15,7 @@ from assistant.forgotten_words import but_forgotten
 from assistant.lexicon import VocabularyLexicon
 from assistant.reply import sentence
 from assistant.spots import of_the_spot, on_a_spot, told_as_place, without_itself
+from assistant.taught import ORDINALS
 from assistant.tense import as_of_now
 from d3a.answer import Answer, Status
 from d3a.conclude import within
@@ -23,13 +26,14 @@ from d3a.model import Json
 from d3a.parameters import Parameters
 from d3a.plan import Plan, Precision, plan
 from d3a.store.base import NativeQuery, Store, StoreError
-from grammar import StoreWords, parse
+from grammar import StoreWords, parse, vocabulary
 from grammar.errors import QuestionError
 from grammar.forms import FormalQuery
 from grammar.notation import looks_formal, read
 
 TOLD_FROM = 50
 """The sentence is told from so many keyframes, however few of them are shown."""
+_NUMBERED = re.compile(rf"{'|'.join(ORDINALS[1:])}|(?!1st)\d{{1,2}}(?:st|nd|rd|th)")
 PRECISIONS: tuple[Precision, ...] = get_args(Precision)
 
 
@@ -218,11 +222,24 @@ def _said(answer: Answer, query: FormalQuery, facts: Facts, now: datetime) -> An
     It is told of the query that was carried out, and bears the one that was asked.
     """
     answer = without_itself(answer, query)
-    parts = (sentence(answer, now=now), of_the_spot(query, facts))
+    parts = (sentence(answer, now=now), of_the_spot(query, facts), _of_its_number(answer, query))
     said = " ".join(part for part in parts if part)
     if facts.meta(FORGOTTEN):
         said = but_forgotten(said, answer)
     return told_as_place(replace(answer, query=query, answer=said), query, facts)
+
+
+def _of_its_number(answer: Answer, query: FormalQuery) -> str:
+    """Return that "the third cup" was read as the cup: nobody numbers what lies about."""
+    if not answer.keyframes:
+        return ""
+    words = [word.strip(".,?!").lower() for word in query.text.split()]
+    told = [{*term.word.split(), *term.attributes} for term in query.objects]
+    for number, word in pairwise(words):
+        its = next((each for each in told if vocabulary.singular(word) in each), None)
+        if its is not None and number not in its and _NUMBERED.fullmatch(number):
+            return f"Which one is the {number} I cannot tell."
+    return ""
 
 
 def explain(store: Store, text: str | FormalQuery, *, now: datetime) -> Explanation:

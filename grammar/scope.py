@@ -145,6 +145,9 @@ def refuse_early(
     hit = _future(texts)
     if hit is not None:
         raise _out(text, words[hit], "A memory knows the past, not the future", rest, lexicon)
+    if texts[0] in _ERASING and {*texts[1:2]} & {*DETERMINERS, *OWNERS, "all", "everything"}:
+        reason = "It answers questions; the command d3a forget takes things out of the memory"
+        raise _out(text, words[0], reason, rest, lexicon)
     if _commanded(texts, lexicon):
         raise _out(
             text, words[0], "It answers questions and carries out no commands", rest, lexicon
@@ -162,6 +165,7 @@ def refuse_early(
         raise _out(text, words[len(opening) - 1], _REASON, rest, lexicon)
 
 
+_ERASING = words_of("delete forget remove")
 _REASON = "A memory of sightings knows where and when things were seen, nothing else"
 
 

@@ -63,6 +63,11 @@ SAID = {
         "In the living room, next to the couch. I last saw the blue cup there today at 15:30, 4 "
         "hours ago. I am fairly sure: seen five times."
     ),
+    "Where is the second bowl?": (
+        "When I looked again today at 13:40 where I had last seen it, it was gone. In the kitchen, "
+        "next to the dining table. I last saw the bowl there today at 12:30, 6 hours ago. I am "
+        "fairly sure: seen five times. Which one is the second I cannot tell."
+    ),
     "When was the cup on the dining table with the bowl?": (
         "I saw the cup on the dining table with the bowl on two occasions, first today at 12:00 "
         "and last today at 12:30, 6 hours ago. I am fairly sure: seen five times then, ten times "
