@@ -50,14 +50,17 @@ def rows(keyframes: Sequence[RankedKeyframe], now: datetime, width: int) -> list
                 (*row[:column], told(k), *row[column + 1 :])
                 for k, row in zip(keyframes, table, strict=True)
             ]
-    while len(kept) > 2 and sum(_least(table, kept)) > _room(kept, width):
+    gap, room = "  ", width
+    if sum(_least(table, kept)) == _room(kept, room) + 1:  # a cell is all that is missing
+        gap, room = " ", width + 1
+    while len(kept) > 2 and sum(_least(table, kept)) > _room(kept, room):
         kept.pop()
-    widths = _fitted(table, kept, width)
+    widths = _fitted(table, kept, room)
     lines = []
     for keyframe, row in zip(keyframes, table, strict=True):
         cells = [shorten(row[i], w) for i, w in zip(kept, widths, strict=True)]
         padded = [cell + " " * (w - width_of(cell)) for cell, w in zip(cells, widths, strict=True)]
-        lines.append(shorten(f"{keyframe.rank:>2}  " + "  ".join(padded).rstrip(), width))
+        lines.append(shorten(f"{keyframe.rank:>2}{gap}" + "  ".join(padded).rstrip(), width))
     return lines
 
 

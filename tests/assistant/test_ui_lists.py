@@ -63,6 +63,14 @@ def test_a_mixed_list_keeps_how_often_things_were_seen(width: int) -> None:
     assert all("fairly sure" in line for line in lines)
 
 
+def test_a_window_of_fifty_columns_keeps_how_often_things_were_seen() -> None:
+    """Its list has 45 cells; the numbers stand closer to make room."""
+    lines = rows([FIRST, replace(BOTH[1], seen=5)], NOW, 45)
+    assert lines[0] == " 1 19:00 today  living room…  fairly sure  3x"
+    assert lines[1].endswith("5x")
+    assert all(width_of(line) <= 45 for line in lines)
+
+
 def test_in_a_narrow_list_time_and_place_stay() -> None:
     first, _ = rows(BOTH, NOW, 34)
     assert "19:00 today" in first
