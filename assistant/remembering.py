@@ -258,7 +258,7 @@ def _name_place(store: Store, said: PlaceNaming, scene: Scene, now: datetime) ->
     store_teaching.name_place(
         store, said.name, around=around, radius_m=radius, replace=said.anew, at_ms=_ms(now)
     )
-    return Learned(f"I will call the {radius:g} m around {where} “{said.name}”; {BACK}.")
+    return Learned(f"I will call the place {radius:g} m around {where} “{said.name}”; {BACK}.")
 
 
 def _rename_place(store: Store, said: PlaceRenaming, now: datetime) -> Learned:
