@@ -2,15 +2,10 @@
 
 from __future__ import annotations
 
-import fcntl
 import os
-import pty
-import select
 import shutil
-import struct
 import subprocess
 import sys
-import termios
 import time
 import uuid
 from collections.abc import Callable, Iterator
@@ -20,7 +15,7 @@ from pathlib import Path
 import pytest
 
 from d3a.store import open_store
-from tests.worlds import small_home
+from tests.worlds import small_home, terminals
 
 ROOT = Path(__file__).parents[2]
 PROGRAM = """
@@ -127,59 +122,18 @@ def test_an_idle_chat_sends_nothing(tmp_path: Path) -> None:
     what stands on it; then two seconds in a row have to be silent, which a blink or a clock, that
     comes each second, never leaves.
     """
-    master, slave = pty.openpty()
     environment = {**os.environ, "TERM": "xterm-256color", "PYTHONPATH": str(ROOT)}
     environment |= {"COLUMNS": "80", "LINES": "24"}
     program = tmp_path / "chat.py"
     program.write_text(PROGRAM)
-    with subprocess.Popen(
-        [sys.executable, str(program)],
-        cwd=ROOT,
-        env=environment,
-        stdin=slave,
-        stdout=slave,
-        stderr=slave,
-        start_new_session=True,
-    ) as process:
-        os.close(slave)
-        try:
-            _read_until(master, b"Where are the keys?", process)
-            os.write(master, b"where are my keys\r")
-            _read_until(master, "┏".encode(), process)  # the box in the picture
-            assert any(_read(master, seconds=2.0) == b"" for _ in range(10))
-            os.write(master, b"\x11")
-            _read(master, seconds=2.0)
-            assert process.wait(timeout=60) == 0
-        finally:
-            process.kill()
-            os.close(master)
-
-
-def _read_until(
-    master: int, words: bytes, process: subprocess.Popen[bytes], limit_s: float = 180.0
-) -> None:
-    """Read until `words` have come, or the process has ended without them."""
-    seen = b""
-    deadline = time.monotonic() + limit_s
-    while words not in seen:
-        has_ended = process.poll() is not None  # what it wrote before is read all the same
-        seen += _read(master, seconds=0.1)
-        assert words in seen or not has_ended, seen[-1000:]
-        assert time.monotonic() < deadline, seen[-1000:]
-
-
-def _read(master: int, *, seconds: float) -> bytes:
-    """Return the bytes that come within so many seconds."""
-    seen = b""
-    deadline = time.monotonic() + seconds
-    while (left := deadline - time.monotonic()) > 0:
-        if not select.select([master], [], [], left)[0]:
-            break
-        try:
-            seen += os.read(master, 1 << 16)
-        except OSError:  # the other end was closed
-            break
-    return seen
+    with terminals.opened([sys.executable, str(program)], environment, cwd=ROOT) as terminal:
+        terminal.read_until(b"Where are the keys?")
+        terminal.type("where are my keys\r")
+        terminal.read_until("┏".encode())  # the box in the picture
+        assert any(terminal.read(seconds=2.0) == b"" for _ in range(10))
+        terminal.type("\x11")
+        terminal.read(seconds=2.0)
+        assert terminal.process.wait(timeout=60) == 0
 
 
 def _bare(tmp_path: Path) -> tuple[list[str], dict[str, str]]:
@@ -200,29 +154,14 @@ def _bare(tmp_path: Path) -> tuple[list[str], dict[str, str]]:
 
 def test_bare_d3a_opens_the_chat_on_a_terminal(tmp_path: Path) -> None:
     command, environment = _bare(tmp_path)
-    master, slave = pty.openpty()
-    fcntl.ioctl(slave, termios.TIOCSWINSZ, struct.pack("HHHH", 24, 80, 0, 0))
-    with subprocess.Popen(
-        command,
-        cwd=tmp_path,
-        env=environment,
-        stdin=slave,
-        stdout=slave,
-        stderr=slave,
-        start_new_session=True,
-    ) as process:
-        os.close(slave)
-        try:
-            _read_until(master, b"\x1b[?1049h", process)  # the alternate screen: not line by line
-            _read_until(master, b"Ask:", process)
-            os.write(master, b"where are my keys?\r")
-            _read_until(master, "┏".encode(), process)
-            os.write(master, b"\x11")
-            _read_until(master, b"\x1b[?1049l", process)
-            assert process.wait(timeout=60) == 0
-        finally:
-            process.kill()
-            os.close(master)
+    with terminals.opened(command, environment, cwd=tmp_path, size=(24, 80)) as terminal:
+        terminal.read_until(b"\x1b[?1049h")  # the alternate screen: not line by line
+        terminal.read_until(b"Ask:")
+        terminal.type("where are my keys?\r")
+        terminal.read_until("┏".encode())
+        terminal.type("\x11")
+        terminal.read_until(b"\x1b[?1049l")
+        assert terminal.process.wait(timeout=60) == 0
 
 
 @pytest.mark.parametrize("term", ["xterm-256color", "dumb"])

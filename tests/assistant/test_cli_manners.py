@@ -14,7 +14,7 @@ from click.testing import CliRunner, Result
 
 from assistant.cli import COMMANDS, main
 from d3a.store import open_store
-from tests.worlds import small_home
+from tests.worlds import small_home, terminals
 
 ROOT = Path(__file__).parents[2]
 WITHOUT_JSON = {"chat", "completion"}
@@ -173,28 +173,12 @@ def test_any_encoding_gets_a_chat_a_line_at_a_time(encoding: str) -> None:
 
 def in_a_terminal(args: Sequence[str], typed: bytes, **environment: str) -> bytes:
     """Run in a pseudo-terminal that types and then ends the input; return what it showed."""
-    import pty
-
-    master, slave = pty.openpty()
-    with subprocess.Popen(
-        [sys.executable, "-m", "assistant.cli", *args],
-        env={**os.environ, "PYTHONPATH": str(ROOT), **environment},
-        stdin=slave,
-        stdout=slave,
-        stderr=slave,
-        start_new_session=True,
-    ) as process:
-        os.close(slave)
-        os.write(master, typed + b"\x04")
-        shown = b""
-        while True:
-            try:
-                shown += os.read(master, 1 << 16)
-            except OSError:  # the program has ended
-                break
-        process.wait(30)
-    os.close(master)
-    assert process.returncode in (0, 2)
+    command = [sys.executable, "-m", "assistant.cli", *args]
+    given = {**os.environ, "PYTHONPATH": str(ROOT), **environment}
+    with terminals.opened(command, given) as terminal:
+        terminal.type(typed + b"\x04")
+        shown = terminal.read_all()
+        assert terminal.process.wait(30) in (0, 2)
     return shown
 
 

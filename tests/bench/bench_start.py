@@ -13,8 +13,8 @@ from __future__ import annotations
 import argparse
 import asyncio
 import os
+import select
 import statistics
-import subprocess
 import sys
 import time
 from collections.abc import Mapping
@@ -23,6 +23,7 @@ from dataclasses import dataclass
 import click
 
 from tests.bench import processes
+from tests.worlds import terminals
 
 HEAVY = ("numpy", "lark", "rich", "sqlite3", "pymongo", "PIL", "scipy", "sklearn", "cv2", "textual")
 PROGRAM = (
@@ -80,31 +81,18 @@ def first_paint(store: str, runs: int, kept: Mapping[str, str]) -> Measured:
 
     The pseudo-terminal answers as a plain one does: a silent one is waited for 0.3 s.
     """
-    import pty
-    import select
-
     spent = []
+    environment = {**kept, "TERM": "xterm-256color", "COLUMNS": "80", "LINES": "24"}
+    command = [sys.executable, "-c", PROGRAM, "chat", "--store", store]
     for _ in range(runs):
-        master, slave = pty.openpty()
-        environment = {**kept, "TERM": "xterm-256color", "COLUMNS": "80", "LINES": "24"}
         started = time.perf_counter()
-        with subprocess.Popen(
-            [sys.executable, "-c", PROGRAM, "chat", "--store", store],
-            env=environment,
-            stdin=slave,
-            stdout=slave,
-            stderr=slave,
-            start_new_session=True,
-        ) as process:
-            os.close(slave)
+        with terminals.opened(command, environment) as terminal:
             seen = b""
             while b"Ask:" not in seen and time.perf_counter() - started < 30:
-                if select.select([master], [], [], 1.0)[0]:
-                    seen += (said := os.read(master, 1 << 16))
-                    os.write(master, b"".join(reply for ask, reply in ANSWERS if ask in said))
+                if select.select([terminal.master], [], [], 1.0)[0]:
+                    seen += (said := os.read(terminal.master, 1 << 16))
+                    terminal.type(b"".join(reply for ask, reply in ANSWERS if ask in said))
             spent.append((time.perf_counter() - started) * 1000)
-            process.kill()
-        os.close(master)
     return Measured(spent)
 
 
