@@ -219,9 +219,9 @@ class NounTagger(ClauseTagger):
 
     def _doer(self) -> str:
         """Return the person said to have done it, "" where none is named: anna, my wife."""
-        said = next((t.value for t in self.out.tags if t.type == "WHO"), "")
-        named = said in self.lexicon.names or self.lexicon.singular(str(said)) in PEOPLE
-        return self.lexicon.singular(str(said)) if named else ""
+        said = next((str(t.value) for t in self.out.tags if t.type == "WHO"), "")
+        one = self.lexicon.singular(said)
+        return one if said in self.lexicon.names or one in PEOPLE else ""
 
     def _content(self) -> bool:
         """Cup of coffee, box of cereal: what is in it does not name the thing."""

@@ -6,12 +6,15 @@ import re
 from dataclasses import dataclass
 
 from grammar import timewords as tw
+from grammar.closed import words_of
 from grammar.lalr import Token
 
 _ISO = re.compile(r"(\d{4})[-/.](\d{1,2})[-/.](\d{1,2})(?:t(\d{1,2}):(\d{2})(?::(\d{2}))?)?$")
 _SLASHED = re.compile(r"(\d{1,2})[-/.](\d{1,2})(?:[-/.](\d{4}|\d{2}))?$")
 _NAMED = re.compile(r"(\d{1,2})-([a-z]{3,9})-(\d{2,4})$")
 CLOCK = re.compile(r"(\d{1,2})[:.](\d{2})(?::(\d{2}))?$")
+CLOCK_ENDS = words_of("HOUR MINUTE HHMM FIXED MERIDIEM _OCLOCK")
+"""The terminals in which a clock time may end."""
 _LENGTH = re.compile(r"(\d+\.\d+)$|(\d)/(\d)$")
 _MONTH = re.compile(r"(\d{4})[-/](\d{1,2})$|(\d{1,2})/(\d{4})$")
 

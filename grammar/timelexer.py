@@ -8,7 +8,7 @@ from dataclasses import replace
 from grammar import numbers
 from grammar import timewords as tw
 from grammar.closed import is_open, words_of
-from grammar.timedigits import CLOCK, TimeToken
+from grammar.timedigits import CLOCK, CLOCK_ENDS, TimeToken
 from grammar.unplaced import UnplacedReader
 
 _MAX_PHRASE = max(len(phrase.split()) for phrase in (*tw.PHRASES, *tw.HOLIDAYS))
@@ -61,7 +61,7 @@ def _approximate(found: list[TimeToken | None], last: int) -> None:
 
 
 _DAYS = words_of("WEEKDAY DAYS ORD DATE DAY_AFTER MONTH MONTH_OF HOLIDAY")
-_CLOCK_TIMES = words_of("HOUR MINUTE HHMM FIXED MERIDIEM _OCLOCK CMIN _CPAST _CTO _HALF_OF")
+_CLOCK_TIMES = CLOCK_ENDS | words_of("CMIN _CPAST _CTO _HALF_OF")
 
 
 class _Reader(UnplacedReader):
@@ -73,6 +73,7 @@ class _Reader(UnplacedReader):
             self._unplaced,
             self._written,
             self._comparative,
+            self._beyond,
             self._meridiem,
             self._clock_minutes,
             self._past_or_last,
@@ -91,12 +92,7 @@ class _Reader(UnplacedReader):
         return None
 
     def _comparative(self) -> TimeToken | None:
-        """Pass over `earlier` and `later` before a time; take over and under an hour ago."""
-        if self.word in ("over", "under") and self._length_follows(1):
-            gone = "ago" in self.words[self.i + 2 : self.i + 6]
-            return (
-                self._make("_BEFORE" if self.word == "over" else "_AFTER", 0, 1) if gone else None
-            )
+        """Pass over `earlier` and `later` before a time: earlier this morning, later on friday."""
         if self.word not in ("earlier", "later") or self._is("UNIT", "_HALF"):
             return None
         k = 1
@@ -105,6 +101,14 @@ class _Reader(UnplacedReader):
         timed = self._at(k) in ("this", "last", "yesterday", "today", "tonight")
         timed = timed or self._at(k) in tw.WEEKDAY_NUMBER or (k > 1 and self._at(k) in tw.PARTS)
         return self._make("LINK", self.word, 1) if timed else None
+
+    def _beyond(self) -> TimeToken | None:
+        """Take over and under a length of time that is gone: over an hour ago, as more than it."""
+        if self.word not in ("over", "under") or not self._length_follows(1):
+            return None
+        if "ago" not in self.words[self.i + 2 : self.i + 6]:
+            return None
+        return self._make("_BEFORE" if self.word == "over" else "_AFTER", 0, 1)
 
     # -- past and last before a length of time ------------------------------------------------
 
@@ -190,7 +194,7 @@ class _Reader(UnplacedReader):
             counted = numbers.cardinal(self.words, self.i + length) if self._at(length) else None
             return self._is("UNIT") and counted is not None
         if kind == "_ISH":
-            return self._is("HOUR", "MINUTE", "HHMM", "FIXED", "MERIDIEM", "_OCLOCK")
+            return self._is(*CLOCK_ENDS)
         return self._is("WEEKDAY", "PART")
 
     def _day_named(self, k: int) -> bool:

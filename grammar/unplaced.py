@@ -8,7 +8,7 @@ from __future__ import annotations
 from grammar import numbers
 from grammar import timewords as tw
 from grammar.closed import is_open, words_of
-from grammar.timedigits import TimeToken
+from grammar.timedigits import CLOCK_ENDS, TimeToken
 from grammar.timenumbers import NumberReader
 
 _RECURS = "it comes more than once; ask for one time"
@@ -17,7 +17,6 @@ _TO_COME = "it has not come yet"
 _OTHER_ZONE = "all times are those of the home; say it without a zone"
 _ZONE_LETTERS = words_of("gmt utc pst pdt mst mdt cst cdt est edt bst cet cest")
 _ZONES = words_of("pacific mountain central eastern greenwich")
-_CLOCK = words_of("HOUR MINUTE HHMM FIXED MERIDIEM _OCLOCK")
 _EACH = words_of("every each")
 _BETWEEN_EACH = words_of("other single few second third of these those the couple")
 _OFTEN = words_of("hourly daily nightly weekly monthly yearly annually")
@@ -34,7 +33,7 @@ class UnplacedReader(NumberReader):
     """Reads what sounds like a time and names none, or many."""
 
     def _unplaced(self) -> TimeToken | None:
-        if self._is(*_CLOCK) and (length := self._zone()):
+        if self._is(*CLOCK_ENDS) and (length := self._zone()):
             return self._make("UNPLACED", _OTHER_ZONE, length)
         if self.word not in _FIRST and self._at(-1) not in _BEFORE_CLOCK:
             return None
