@@ -199,7 +199,7 @@ class Ledger:
             kept.pop(key, None)
             late = start_ms is not None and record.end_ms < start_ms
             early = end_ms is not None and record.start_ms > end_ms
-            if not late and not early and _is_between(key[:2], object_id, with_ids):
+            if not late and not early and record.is_between(ids, with_ids):
                 kept[key] = record
         return [kept[key] for key in sorted(kept)]
 
@@ -220,15 +220,6 @@ def _within(record: StayRecord, area: Area | None) -> bool:
         return False
     x, y, _ = record.position
     return area.x_min <= x <= area.x_max and area.y_min <= y <= area.y_max
-
-
-def _is_between(ends: Sequence[str], one: str | None, others: Sequence[str] | None) -> bool:
-    """Say whether an encounter has an object and, at its other end, one of others; None: any."""
-    a, b = ends
-    return any(
-        one in (None, this) and (others is None or that in others)
-        for this, that in ((a, b), (b, a))
-    )
 
 
 def grouped(sightings: Iterable[Sighting]) -> dict[StayKey, list[Sighting]]:

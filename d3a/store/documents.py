@@ -5,6 +5,7 @@ Paper: the appendix (two collections). Times are UTC milliseconds, intervals are
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -127,6 +128,14 @@ class Encounter:
     seen: int = 1
     recording: str = ""
     viewer: tuple[float, ...] | None = None
+
+    def is_between(self, ids: Collection[str] | None, others: Collection[str] | None) -> bool:
+        """Whether one of the two is of `ids` and the other one of `others`; None: any object."""
+        a, b = self.object_a, self.object_b
+        return any(
+            (ids is None or one in ids) and (others is None or other in others)
+            for one, other in ((a, b), (b, a))
+        )
 
 
 @dataclass(frozen=True, slots=True)

@@ -267,7 +267,7 @@ class MongoStore(ByReading):
         kept = [
             record
             for record in map(documents.encounter_record, found)
-            if mongo_read.between(record, mine, others)
+            if record.is_between(mine, others)
         ]
         return sorted(
             kept, key=lambda r: (r.start_ms, r.object_a, r.object_b, r.place_a, r.place_b)

@@ -10,7 +10,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from d3a.store.base import Area, Encounter, Sighting
+from d3a.store.base import Area, Sighting
 from d3a.store.limits import MAX_INTERVAL_MS, MAX_XY_M
 from d3a.store.mongo_documents import Document, date
 from d3a.store.mongo_write import in_parts
@@ -209,7 +209,7 @@ def encounters(
     start_ms: int | None,
     end_ms: int | None,
 ) -> Iterator[Find]:
-    """Yield finds of encounters with one of the smaller list; `between` looks at the other."""
+    """Yield finds of encounters with one of the smaller list; see `Encounter.is_between`."""
     asked = touching(start_ms, end_ms, MAX_INTERVAL_MS)
     few = min((object_ids, with_ids), key=lambda ids: (ids is None, 0 if ids is None else len(ids)))
     if few is None:
@@ -218,18 +218,6 @@ def encounters(
     for part in _among(few):
         for end in ("a", "b"):
             yield Find({end: part, **asked}, None)
-
-
-def between(record: Encounter, object_ids: set[str] | None, with_ids: set[str] | None) -> bool:
-    """Whether one of the two is of `object_ids` and the other of `with_ids`."""
-
-    def among(name: str, ids: set[str] | None) -> bool:
-        return ids is None or name in ids
-
-    a, b = record.object_a, record.object_b
-    return (among(a, object_ids) and among(b, with_ids)) or (
-        among(b, object_ids) and among(a, with_ids)
-    )
 
 
 def index_of(plan: Document) -> str | None:
