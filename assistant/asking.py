@@ -82,16 +82,13 @@ class Explanation:
         return "\n".join(lines)
 
 
-def store_words(store: Store) -> StoreWords:
+def store_words(store: Store, facts: Facts | None = None) -> StoreWords:
     """Return the words that the grammar is to know of this store: categories, names, places.
 
     A detector's class list counts too: "never seen" and "no such word" are different answers.
-    Raises StoreError.
+    facts: what was read of the store for this question already. Raises StoreError.
     """
-    return _words(Facts(store))
-
-
-def _words(facts: Facts) -> StoreWords:
+    facts = facts or Facts(store)
     return StoreWords(
         categories=tuple(dict.fromkeys([*facts.categories(), *(facts.classes() or ())])),
         names=tuple((name.word, name.owner) for name in facts.names()),
@@ -177,7 +174,7 @@ def read_question(
     """
     if looks_formal(text):
         return read(text, now=now)
-    return parse(text, now=now, words=_words(facts or Facts(store)))
+    return parse(text, now=now, words=store_words(store, facts))
 
 
 def ask_query(
@@ -236,8 +233,10 @@ def _of_its_number(answer: Answer, query: FormalQuery) -> str:
     words = [word.strip(".,?!").lower() for word in query.text.split()]
     told = [{*term.word.split(), *term.attributes} for term in query.objects]
     for number, word in pairwise(words):
+        if not _NUMBERED.fullmatch(number):
+            continue
         its = next((each for each in told if vocabulary.singular(word) in each), None)
-        if its is not None and number not in its and _NUMBERED.fullmatch(number):
+        if its is not None and number not in its:
             return f"Which one is the {number} I cannot tell."
     return ""
 

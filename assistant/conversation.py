@@ -34,6 +34,7 @@ from assistant.pointing import (
 from assistant.session import Pointer
 from assistant.taught import Boxing, Naming, Teaching, Undoing, read_teaching, row_of
 from d3a.answer import Answer, RankedKeyframe, Status, is_by_look
+from d3a.facts import Facts
 from d3a.store.base import Store, StoreError
 from grammar.errors import QuestionError
 from grammar.forms import FormalQuery
@@ -145,19 +146,20 @@ class Conversation:
 
     def _answer(self, text: str, last: FormalQuery | None) -> tuple[Answer, FormalQuery | None]:
         """Return the answer and the query as it was spoken: the answer's own has places in it."""
-        started, now = perf_counter(), self._now()
+        started, now, facts = perf_counter(), self._now(), None
         try:
             if looks_formal(text):
                 query = read(text, now=now)
             else:
-                words, seen = store_words(self._store), _seen(self.pointer.row)
+                facts, seen = Facts(self._store), _seen(self.pointer.row)
+                words = store_words(self._store, facts)
                 query = follow(text, now=now, words=words, last=last, seen=seen)
         except QuestionError as error:
             return refusal(error), None
         except StoreError as error:
             return replace(failure(text, error), suggestions=(text,)), None
         parse_ms = (perf_counter() - started) * 1000
-        answer = ask_query(self._store, query, now=now)
+        answer = ask_query(self._store, query, now=now, facts=facts)
         if answer.status == "error":
             answer = replace(answer, suggestions=(text,))
         elapsed = {"parse": parse_ms} | answer.elapsed_ms
