@@ -245,9 +245,9 @@ def explain(store: Store, text: str | FormalQuery, *, now: datetime) -> Explanat
     """Answer a question and tell how. Raises QuestionError and StoreError."""
     native: list[NativeQuery] = []
     started = perf_counter()
-    query = read_question(store, text, now=now) if isinstance(text, str) else text
-    parsed_ms = _ms_since(started)
     facts = Facts(store)
+    query = read_question(store, text, now=now, facts=facts) if isinstance(text, str) else text
+    parsed_ms = _ms_since(started)
     query, parameters = on_a_spot(query, facts), facts.parameters()
     steps = plan(as_of_now(query), parameters=parameters)
     store.tracing(native.append)

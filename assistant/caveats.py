@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from assistant.english import NUMBERS, listed, times
+from assistant.english import listed, number_word, times
 from assistant.phrases import at_place, heads_of, likely_of, newest_of, said_many, term_of
 from assistant.wording import how_sure
 from d3a.answer import Answer, RankedKeyframe, is_by_look
@@ -60,9 +60,8 @@ def _seen(answer: Answer, query: FormalQuery, best: RankedKeyframe) -> str:
 
 def _others(number: int, many: bool) -> str:
     """Return how many things as likely there are: which one is meant, they cannot tell."""
-    said = NUMBERS[number] if number < len(NUMBERS) else str(number)
     verb = "is" if number == 1 else "are"
-    return f"There {verb} {said} more {'they' if many else 'it'} could be."
+    return f"There {verb} {number_word(number)} more {'they' if many else 'it'} could be."
 
 
 def left_out(answer: Answer) -> str:

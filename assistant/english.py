@@ -13,7 +13,7 @@ MONTHS = (
     *("January", "February", "March", "April", "May", "June", "July", "August", "September"),
     *("October", "November", "December"),
 )
-NUMBERS = ("no", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten")
+_NUMBERS = ("no", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten")
 _UNITS = (
     ("second", 1.0, 60.0),
     ("minute", 60.0, 3600.0),
@@ -63,9 +63,14 @@ def plural(words: str) -> str:
     return words if is_many(words) else vocabulary.plural(words)
 
 
+def number_word(number: int) -> str:
+    """Return "no", "one" and so on to "ten", figures from 11 on."""
+    return _NUMBERS[number] if 0 <= number < len(_NUMBERS) else str(number)
+
+
 def counted(number: int, words: str) -> str:
     """Return "two cups", "one cup", "no cups", "12 cups", "two pairs of glasses"."""
-    said = NUMBERS[number] if 0 <= number < len(NUMBERS) else str(number)
+    said = number_word(number)
     if _head(words) in _PAIRS and number > 0:
         return f"{said} {'pair' if number == 1 else 'pairs'} of {words}"
     return f"{said} {words if number == 1 else plural(words)}"
@@ -75,7 +80,7 @@ def times(number: int) -> str:
     """Return "once", "twice", "three times", "12 times"."""
     if number in (1, 2):
         return ("once", "twice")[number - 1]
-    return f"{NUMBERS[number] if 0 <= number < len(NUMBERS) else number} times"
+    return f"{number_word(number)} times"
 
 
 def occasions(number: int) -> str:

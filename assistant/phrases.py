@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
+from dataclasses import replace
 from datetime import datetime
 
 from assistant.english import (
-    NUMBERS,
     article,
     clock,
     day_of,
     is_many,
     listed,
+    number_word,
     plural,
     sentence_case,
 )
@@ -243,9 +245,15 @@ def where_words(keyframe: RankedKeyframe, query: FormalQuery) -> str:
     return ", ".join(parts)
 
 
+def there_words(keyframe: RankedKeyframe, query: FormalQuery) -> str:
+    """Return the same after a comma, for the end of a clause."""
+    where = where_words(keyframe, query)
+    return f", {where}" if where else ""
+
+
 def _metres(distance: float) -> str:
     number = max(2, round(distance))  # nearer things are landmarks beside it
-    return f"{NUMBERS[number] if number < len(NUMBERS) else number} metres"
+    return f"{number_word(number)} metres"
 
 
 def _is_named(landmark: str, query: FormalQuery) -> bool:
@@ -274,6 +282,14 @@ def heads_of(answer: Answer) -> list[RankedKeyframe]:
         if keyframe.group is not None:
             seen.add(keyframe.group)
     return heads
+
+
+def left_with(answer: Answer, kept: Sequence[RankedKeyframe]) -> Answer:
+    """Return the answer of these of its keyframes alone, ranked and counted anew."""
+    lost = len({k.object_id for k in answer.keyframes} - {k.object_id for k in kept})
+    count = max(answer.count - lost, 0)
+    ranked = tuple(replace(k, rank=rank) for rank, k in enumerate(kept, 1))
+    return replace(answer, keyframes=ranked, count=count, least=min(answer.least, count))
 
 
 def places_of(heads: list[RankedKeyframe]) -> int:

@@ -13,7 +13,16 @@ from datetime import datetime, timedelta
 from typing import Literal
 
 from assistant.english import clock, sentence_case, when
-from assistant.phrases import definite, kind_of, newest_of, noun_of, numbered, term_of, where_words
+from assistant.phrases import (
+    definite,
+    kind_of,
+    left_with,
+    newest_of,
+    noun_of,
+    numbered,
+    term_of,
+    there_words,
+)
 from assistant.reply import sentence
 from assistant.taught import LAST, ORDINAL, ROW, Row, row_of
 from d3a.answer import Answer, RankedKeyframe
@@ -130,8 +139,7 @@ def row_words(row: RankedKeyframe, query: FormalQuery | None, *, ask: str, now: 
         select="all", negated=False,
     )  # fmt: skip
     if ask == "when":
-        where = where_words(row, alone)
-        there = f", {where}" if where else ""
+        there = there_words(row, alone)
         said = f"{sentence_case(when(row.end, now))}{there}."
         if row.end - row.start >= _LONG:
             start, end = (t.astimezone(now.tzinfo) for t in (row.start, row.end))
@@ -174,12 +182,7 @@ def narrowed(
             answer, status="not_found", answer=nothing, keyframes=(), otherwise=None, count=0,
             least=0, truncated=False,
         )  # fmt: skip
-    lost = len({k.object_id for k in answer.keyframes} - {k.object_id for k in kept})
-    count = max(answer.count - lost, 0)
-    ranked = tuple(replace(k, rank=rank) for rank, k in enumerate(kept, 1))
-    fewer = replace(
-        answer, keyframes=ranked, otherwise=otherwise, count=count, least=min(answer.least, count),
-    )  # fmt: skip
+    fewer = left_with(replace(answer, otherwise=otherwise), kept)
     return replace(fewer, answer=sentence(fewer, now=now))
 
 

@@ -17,7 +17,7 @@ from assistant.phrases import (
     numbered,
     said_many,
     term_of,
-    where_words,
+    there_words,
 )
 from d3a.answer import Answer, RankedKeyframe
 from grammar import vocabulary
@@ -88,8 +88,7 @@ def _none_like_it(answer: Answer, query: FormalQuery, refused: list[str], now: d
     looks = listed([word for word in refused if not word.startswith("not ")])
     unlike = listed([word.removeprefix("not ") for word in refused if word.startswith("not ")])
     missed = f"looked {looks}" if looks else f"did not look {unlike}"
-    where = where_words(other, query)
-    there = f", {where}" if where else ""
+    there = there_words(other, query)
     told = f"I saw {article(kind_of(other))}, but none that {missed}."
     return f"{told} I last saw one {when(other.end, now)}{there}."
 
@@ -119,15 +118,13 @@ def _not_any_more(answer: Answer, query: FormalQuery, now: datetime) -> str:
         thing = f"{article(kind_of(other))}{condition_words(answer, query)}"
     elif query.ask == "whether" and not term.owner:
         thing = definite(term, numbered(query, term, answer.unjudged))
-    where = where_words(other, query)
-    there = f", {where}" if where else ""
+    there = there_words(other, query)
     told = f"{opening}I last saw {thing} {when(other.end, now)}{there}."
     return f"{told} {gone_words(other, now, many=many)}".strip()
 
 
 def _instead(other: RankedKeyframe, answer: Answer, query: FormalQuery, now: datetime) -> str:
-    where = where_words(other, query)
-    there = f", {where}" if where else ""
+    there = there_words(other, query)
     term = _refused_term(answer, query)
     if term != term_of(query) and answer.reason == "never":
         return f"I did see {article(kind_of(other))} {when(other.end, now)}{there}."

@@ -13,13 +13,13 @@ from datetime import datetime
 
 from assistant.caveats import is_open, left_out, sureness
 from assistant.english import (
-    NUMBERS,
     article,
     clock,
     counted,
     day_of,
     duration,
     listed,
+    number_word,
     occasions,
     sentence_case,
     slice_words,
@@ -44,6 +44,7 @@ from assistant.phrases import (
     tells_nothing,
     term_of,
     the_place,
+    there_words,
     where_words,
 )
 from assistant.refusals import looking_into, refusal_words
@@ -103,11 +104,9 @@ def _whether(answer: Answer, query: FormalQuery, now: datetime) -> str:
             return f"{opening}I saw at least {least}{condition}, {last}."
     else:
         thing = indefinite(term, found_words(answer, query), many=many)
-    where = where_words(newest, query)
-    where = f", {where}" if where else ""
+    where = there_words(newest, query)
     if answer.otherwise is not None:  # it may have moved since, under another id
-        there = where_words(answer.otherwise, query)
-        since = f"{when(answer.otherwise.end, now)}{f', {there}' if there else ''}"
+        since = when(answer.otherwise.end, now) + there_words(answer.otherwise, query)
         told = f"I cannot be sure. I last saw {thing}{condition} {said}{where}."
         return f"{told} I saw one that may be the same {since}."
     if len(heads) == 1 or query.select == "last":
@@ -117,7 +116,7 @@ def _whether(answer: Answer, query: FormalQuery, now: datetime) -> str:
         number = places_of(heads)
         spread = counted(number, "place")
         further = places_of(heads_of(answer)) - number  # the table lists them too
-        spread += f", maybe in {NUMBERS[further] if further < 11 else further} more" * bool(further)
+        spread += f", maybe in {number_word(further)} more" * bool(further)
         more = f"{occasions(len(heads))}{' or more' if answer.truncated else ''}"
         told = f"{opening}I saw {thing}{condition} {more} in {spread}, {last}{where}."
     return f"{told} {gone_words(newest, now, many=many)}".strip()
@@ -173,8 +172,7 @@ def _where_then(answer: Answer, query: FormalQuery, at: datetime, now: datetime)
             return f"{where}. I was seeing {thing} there {slice_words(TimeSlice(at, at), now)}."
         told.append(f"{where}. I had last seen {thing} there {when(before.end, now)}.")
     if after is not None:
-        where = where_words(after, query)
-        there = f", {where}" if where else ""
+        there = there_words(after, query)
         pronoun = "them" if said_many(query, term_of(query)) else "it"
         thing = pronoun if before is not None else thing
         told.append(f"I saw {thing} next {when(after.start, now)}{there}.")
@@ -189,8 +187,7 @@ def _whether_then(answer: Answer, query: FormalQuery, at: datetime, now: datetim
     heads, moment = likely_of(answer), slice_words(TimeSlice(at, at), now)
     during = next((k for k in heads if _is_during(k, at)), None)
     if during is not None:
-        where = where_words(during, query)
-        there = f", {where}" if where else ""
+        there = there_words(during, query)
         return f"{_yes(answer, query)}I was seeing {thing}{condition} {moment}{there}."
     before = max((k for k in heads if k.end < at), key=lambda k: (k.end, -k.rank), default=None)
     after = min((k for k in heads if k.start > at), key=lambda k: (k.start, k.rank), default=None)
@@ -199,8 +196,7 @@ def _whether_then(answer: Answer, query: FormalQuery, at: datetime, now: datetim
         told = [f"I was not looking{looking_into(answer, query)} {moment}, so I cannot tell."]
     for keyframe, verb in ((before, "had last seen"), (after, "next saw")):
         if keyframe is not None:
-            where = where_words(keyframe, query)
-            there = f", {where}" if where else ""
+            there = there_words(keyframe, query)
             seen = keyframe.end if keyframe is before else keyframe.start
             pronoun = thing if term.owner else ("some" if many else "one")
             told.append(f"I {verb} {pronoun}{condition} {when(seen, now)}{there}.")
@@ -221,8 +217,7 @@ def _where_each(answer: Answer, query: FormalQuery, now: datetime) -> str:
         if best is None:
             told.append(f"I found no {words}.")
             continue
-        where = where_words(best, query)
-        there = f", {where}" if where else ""
+        there = there_words(best, query)
         last = "last " if query.select == "last" else ""
         told.append(f"I {last}saw {definite(term, words)} {when(best.end, now)}{there}.")
     return " ".join(told)
@@ -251,8 +246,7 @@ def _usual(answer: Answer, query: FormalQuery) -> str:
 def _when(answer: Answer, query: FormalQuery, now: datetime) -> str:
     thing = definite(term_of(query), found_words(answer, query)) + condition_words(answer, query)
     heads, best = likely_of(answer), answer.keyframes[0]
-    where = where_words(best, query)
-    there = f", {where}" if where else ""
+    there = there_words(best, query)
     if query.select in ("last", "first"):
         moment = best.end if query.select == "last" else best.start
         told = f"{sentence_case(when(moment, now))}{there}. "
@@ -295,8 +289,7 @@ def _count(answer: Answer, query: FormalQuery, now: datetime) -> str:
     words = described(term_of(query), answer.unjudged)
     said = sentence_case(counted(answer.count, words))
     if answer.least < answer.count:
-        most = NUMBERS[answer.count] if answer.count < len(NUMBERS) else str(answer.count)
-        said = f"At least {counted(answer.least, words)} and at most {most}"
+        said = f"At least {counted(answer.least, words)} and at most {number_word(answer.count)}"
     last = _last(answer, query, now, "seen ")
     once = sum(1 for k in heads_of(answer) if "tentative" in k.why)
     unsure = f" {sentence_case(counted(once, words))} of them I saw only once." if once else ""

@@ -9,7 +9,15 @@ from __future__ import annotations
 from dataclasses import replace
 
 from assistant.english import sentence_case
-from assistant.phrases import at_place, is_room, kind_of, plain_place, term_of, the_place
+from assistant.phrases import (
+    at_place,
+    is_room,
+    kind_of,
+    left_with,
+    plain_place,
+    term_of,
+    the_place,
+)
 from d3a.answer import Answer
 from d3a.facts import Facts
 from d3a.places import room_of
@@ -114,12 +122,7 @@ def without_itself(answer: Answer, query: FormalQuery) -> Answer:
         return answer
     itself = vocabulary.canonical(plain_place(query.place))
     kept = [k for k in answer.keyframes if kind_of(k) != itself]
-    lost = {k.object_id for k in answer.keyframes} - {k.object_id for k in kept}
-    if not kept or not lost:
-        return answer
-    count = answer.count - len(lost)
-    ranked = tuple(replace(k, rank=rank) for rank, k in enumerate(kept, 1))
-    return replace(answer, keyframes=ranked, count=count, least=min(answer.least, count))
+    return left_with(answer, kept) if 0 < len(kept) < len(answer.keyframes) else answer
 
 
 def _spot_of(ground: ObjectTerm, facts: Facts) -> str | None:

@@ -17,6 +17,7 @@ from textual.screen import Screen
 from textual.widgets import Static
 
 from assistant.english import ago
+from assistant.pointing import shown
 from assistant.protocols import Kind
 from assistant.session import Session
 from assistant.terminal import clean, width_of
@@ -126,7 +127,7 @@ class ChatScreen(Screen[None]):
     @property
     def keyframes(self) -> tuple[RankedKeyframe, ...]:
         """The keyframes listed: the answer's, else the nearest true one that it offers."""
-        return listed(self._shown)
+        return shown(self._shown)
 
     @property
     def earlier(self) -> str:
@@ -249,19 +250,19 @@ class ChatScreen(Screen[None]):
             self._remember(self._shown)
         self._shown, self._world = answer, world
         self._asked_at = now = self._session.now()
-        shown = listed(answer)
+        rows = shown(answer)
         self.remove_class("-idle").add_class("-answered")
-        self.set_class(bool(answer.suggestions) and not shown, "-suggesting")
-        self.set_class(not shown, "-nothing")
+        self.set_class(bool(answer.suggestions) and not rows, "-suggesting")
+        self.set_class(not rows, "-nothing")
         self._say(exchange(answer))
-        at = next((i for i, each in enumerate(shown) if each == pointed), 0)
-        self.query_one(KeyframeList).show_keyframes(shown, now, at)
+        at = next((i for i, each in enumerate(rows) if each == pointed), 0)
+        self.query_one(KeyframeList).show_keyframes(rows, now, at)
         self.query_one(QuestionList).show_questions(answer.suggestions)
-        self.query_one(FloorView).keyframes = shown
+        self.query_one(FloorView).keyframes = rows
         timeline = self.query_one(Timeline)
-        timeline.now, timeline.keyframes = now, shown
+        timeline.now, timeline.keyframes = now, rows
         self._show_header()
-        if not shown:
+        if not rows:
             self.show_shot(None)
 
     def show_late(self, answer: Answer) -> None:
@@ -319,10 +320,3 @@ class ChatScreen(Screen[None]):
         elif pages < 0:
             text = self.earlier or "Nothing was said before this."
             self.app.push_screen(Sheet("Earlier in this chat", text))
-
-
-def listed(answer: Answer | None) -> tuple[RankedKeyframe, ...]:
-    """Return the keyframes to list: the answer's own, else the one that is true elsewhere."""
-    if answer is None:
-        return ()
-    return answer.keyframes or ((answer.otherwise,) if answer.otherwise else ())

@@ -128,19 +128,22 @@ def take(store: Store, who: str) -> Lease:
 def renew(store: Store, lease: Lease) -> bool:
     """Let a lease hold for a term from now; False where another has taken it."""
     with store.turn():
-        now = store.lease()
-        if now is None or now.fence != lease.fence:
-            return False
-        store.put_lease(replace(lease, until_ms=store.clock_ms() + round(TERM_S * 1000)))
-    return True
+        return _put_end(store, lease, store.clock_ms() + round(TERM_S * 1000))
 
 
 def give_back(store: Store, lease: Lease) -> None:
     """End a lease, unless another has taken it."""
     with store.turn():
-        now = store.lease()
-        if now is not None and now.fence == lease.fence:
-            store.put_lease(replace(lease, until_ms=0))
+        _put_end(store, lease, 0)
+
+
+def _put_end(store: Store, lease: Lease, until_ms: int) -> bool:
+    """Let a lease end at a time, in a turn; False where another has taken it."""
+    now = store.lease()
+    if now is None or now.fence != lease.fence:
+        return False
+    store.put_lease(replace(lease, until_ms=until_ms))
+    return True
 
 
 def _renew(store: Store, lease: Lease, ended: threading.Event) -> None:
