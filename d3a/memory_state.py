@@ -9,9 +9,10 @@ import numpy as np
 
 from d3a.checkpoint import Arrays, stacked
 from d3a.known import Known, Place
-from d3a.memory import ERROR, RAW, SCALE, Memory, Whole
+from d3a.memory import Memory, Whole
 from d3a.model import Json
 from d3a.parameters import Parameters
+from d3a.positions import ERROR, RAW, SCALE
 from d3a.sightings import Interval
 from d3a.store.base import TaughtName
 from d3a.symmetric import FULL

@@ -7,7 +7,7 @@ for longest is evicted; it is fetched back by place when the robot looks there a
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,11 +18,12 @@ from d3a.checkpoint import Arrays
 from d3a.known import Known, Place
 from d3a.ledger import Ledger
 from d3a.likelihood import VARIANCES
-from d3a.memory import RAW, Memory, Whole
+from d3a.memory import Memory, Sleeper
 from d3a.memory_state import memory_of_state, memory_state
 from d3a.model import Json
 from d3a.outside import Outside
 from d3a.parameters import Parameters
+from d3a.positions import RAW
 from d3a.same_thing import ranked, votes_of
 from d3a.sightings import Interval
 from d3a.store.base import Area, ObjectRecord, StayRecord
@@ -33,10 +34,13 @@ CELL_M = 4.0
 EVICTED_SHARE = 16
 """When the memory is over its bound, a share of it goes at once (one in so many)."""
 ASLEEP = 8
-"""So many times the memory's bound of things are kept beside it, whole but not compared."""
+"""So many times the memory's bound of things are kept beside it, whole but not compared: the store
+does not hold what looks have told of a place, nor all that is known of where it is."""
 REACH_SIGMAS, SPREAD_M = 3.0, 1.0
 """What comes back is within so many sigmas along each axis: what is farther off is hardly ever what
 was seen. The store is asked what is around as if a thing there might be so far off, one sigma."""
+OWN_VARIANCES = tuple((VARIANCES + 3).tolist())
+"""Of the columns of a place, those along x, y and z."""
 LEAST_M2 = 1e-6
 """No mean is known better than to a millimetre."""
 Floats = NDArray[np.float64]
@@ -62,9 +66,6 @@ class Recall:
         """Squares of which `_index` knows all that is not in memory."""
         self._index = Outside()
         self._wanted: set[str] = set()
-        self._asleep: dict[int, Whole] = {}
-        """By number, what left first before: things out of the memory, whole. The store does not
-        hold what looks have told of a place, nor all that is known of where it is."""
 
     # to the store
     def write(self) -> None:
@@ -140,26 +141,28 @@ class Recall:
         for thing in oldest:
             if thing.dirty:
                 self._put(thing)
-            self._lay(thing)
-        while len(self._asleep) > most * ASLEEP:
-            del self._asleep[next(iter(self._asleep))]  # where it is the store tells
+        self._lay(oldest)
+        asleep = self._memory.sleepers()
+        over = max(0, len(asleep) - most * ASLEEP)  # where those are the store tells
+        self._memory.forget_sleepers(each.thing.number for each in asleep[:over])
         self.outside += len(oldest)
         return oldest
 
-    def _lay(self, thing: Known) -> None:
-        """Put a thing to sleep."""
-        whole = self._memory.whole(thing)
-        self._memory.remove(thing)
-        self._asleep[thing.number] = whole
-        self._remember_whole(whole)
+    def _lay(self, things: list[Known]) -> None:
+        """Put things to sleep."""
+        self._remember_asleep(self._memory.lay(things))
 
-    def _remember_whole(self, whole: Whole) -> None:
-        object_id = whole.thing.object_id
-        for _, row in whole.rows:
-            x, y, z = row.record[RAW].tolist()
-            self._index.add(object_id, (x, y, z), row.columns[VARIANCES + 3].tolist())
-        if len(whole.rows) < len(whole.thing.places):
-            self._index.add(object_id, None, ())
+    def _remember_asleep(self, asleep: list[Sleeper]) -> None:
+        ids: list[str] = []
+        spots: list[Sequence[float]] = []
+        for each in asleep:
+            object_id = each.thing.object_id
+            for _, row in each.rows:
+                ids.append(object_id)
+                spots.append((*row.record[RAW], *(row.columns[k] for k in OWN_VARIANCES)))
+            if len(each.rows) < len(each.thing.places):
+                self._index.add(object_id, None, ())
+        self._index.add_all(ids, spots)
 
     def _remember(self, stay: StayRecord) -> None:
         surface = self._parameters.object_spread_m**2 * 2
@@ -169,13 +172,13 @@ class Recall:
     def things(self) -> Iterator[Known]:
         """Yield all things that were not left to the store alone."""
         yield from self._memory.things.values()
-        for whole in self._asleep.values():
-            yield whole.thing
+        for each in self._memory.sleepers():
+            yield each.thing
 
     def forget_all(self) -> None:
         """Empty the memory; everything in it is written."""
         self._wanted.clear()
-        self._asleep.clear()
+        self._memory.forget_sleepers(each.thing.number for each in self._memory.sleepers())
         for thing in list(self._memory.things.values()):
             self._memory.remove(thing)
             self.outside += 1
@@ -190,8 +193,8 @@ class Recall:
         gone = [t for t in self._memory.things.values() if t.object_id in ids]
         for thing in gone:
             self._memory.remove(thing)
-        for number in [n for n, whole in self._asleep.items() if whole.thing.object_id in ids]:
-            del self._asleep[number]
+        asleep = [t.thing for t in self._memory.sleepers() if t.thing.object_id in ids]
+        self._memory.forget_sleepers(thing.number for thing in asleep)
         if gone:
             self._wanted = (self._wanted - ids) | set(after)
         # One too many costs a look into the store, one too few would hide things.
@@ -202,8 +205,7 @@ class Recall:
     def _forget_index(self) -> None:
         self._complete.clear()
         self._index.clear()
-        for whole in self._asleep.values():
-            self._remember_whole(whole)
+        self._remember_asleep(self._memory.sleepers())
 
     # from the store
     def fetch(self, places: Floats, noise: Floats, shared_m2: float, now_ms: int) -> list[Known]:
@@ -219,21 +221,23 @@ class Recall:
         self._ask(places, variance)
         ids, self._wanted = self._wanted, set()
         ids |= self._index.near(places, variance, REACH_SIGMAS)
+        if not ids:
+            return []
+        is_asleep = self._memory.is_asleep
         away = sorted(each for each in ids if self._is_away(each))
-        sleepers = [name for name in away if number_of(name) in self._asleep]
-        stored = [name for name in away if number_of(name) not in self._asleep]
-        woken = [self._wake(name, now_ms) for name in sleepers]
+        woken = self._wake([name for name in away if is_asleep(number_of(name))], now_ms)
+        stored = [name for name in away if number_of(name) not in self._memory.things]
         if stored:
             self._load(stored, now_ms)
         return woken
 
-    def _wake(self, object_id: str, now_ms: int) -> Known:
-        whole = self._asleep.pop(number_of(object_id))
-        whole.thing.compared_ms = now_ms
-        self._memory.put_back(whole)
-        self._index.remove(object_id)
-        self.outside -= 1
-        return whole.thing
+    def _wake(self, object_ids: list[str], now_ms: int) -> list[Known]:
+        woken = self._memory.wake(number_of(name) for name in object_ids)
+        for thing in woken:
+            thing.compared_ms = now_ms
+        self._index.remove(object_ids)
+        self.outside -= len(woken)
+        return woken
 
     def _ask(self, places: Floats, variance: Floats) -> None:
         """Learn what the store has around some places, where that is not known yet."""
@@ -249,7 +253,8 @@ class Recall:
             for stay in found:
                 if stay.site != self._stored.site or not self._is_away(stay.object_id):
                     continue
-                if number_of(stay.object_id) not in self._asleep:  # else where it is is known
+                # where a sleeper is is known
+                if not self._memory.is_asleep(number_of(stay.object_id)):
                     self._remember(stay)
 
     def _is_away(self, object_id: str) -> bool:
@@ -299,7 +304,7 @@ class Recall:
                 thing.seen += stay.seen
                 if stay.position is not None:
                     placed.append((thing, place, stay))
-            self._index.remove(record.object_id)
+            self._index.remove([record.object_id])
             self.outside -= 1
         self._settle(placed)
 
@@ -353,10 +358,9 @@ class Recall:
 
     def to_state(self) -> tuple[Json, Arrays]:
         """Return the memory, and what is known of the store beside what it holds."""
-        memory = self._memory
-        awake = [memory.whole(memory.things[number]) for number in sorted(memory.things)]
-        record, arrays = memory_state([*awake, *self._asleep.values()])
-        own = {"outside": self.outside, "wanted": sorted(self._wanted), "asleep": len(self._asleep)}
+        record, arrays = memory_state(self._memory.wholes())
+        asleep = len(self._memory.sleepers())
+        own = {"outside": self.outside, "wanted": sorted(self._wanted), "asleep": asleep}
         return record | {"recall": own}, arrays
 
     def restore(self, record: Json, arrays: Arrays) -> None:
@@ -366,8 +370,7 @@ class Recall:
         self.outside, self._wanted = own["outside"], set(own["wanted"])
         things = list(self._memory.things.values())
         asleep = own.get("asleep", 0)  # older checkpoints have none
-        for thing in things[len(things) - asleep :]:
-            self._lay(thing)
+        self._lay(things[len(things) - asleep :])
 
 
 def _cell_of(stay: StayRecord) -> Cell:

@@ -7,7 +7,7 @@ import pytest
 
 from d3a.ingest import ingest
 from d3a.known import Known, Place
-from d3a.memory import Memory
+from d3a.memory import Memory, Whole
 from d3a.model import Detection, Frame, Pose
 from d3a.parameters import DEFAULT
 from tests.worlds.oracle import OracleStore
@@ -70,7 +70,7 @@ def test_looks_in_vain_add_up_over_a_sleep() -> None:
     assert absent == [False, True]
 
 
-def test_a_thing_is_put_back_with_all_its_numbers() -> None:
+def test_things_that_sleep_keep_all_their_numbers() -> None:
     memory, rng = Memory(), np.random.default_rng(1)
     for number in range(80):  # more than fit at first
         thing = Known(number, {"cup": 1.0}, 0, 0)
@@ -81,12 +81,31 @@ def test_a_thing_is_put_back_with_all_its_numbers() -> None:
             mean, raw = rng.normal(size=(2, 3))
             memory.positions.add(thing, place, mean, raw, np.diag(rng.uniform(0.1, 1, 3)))
             memory.positions.respread([place.row], DEFAULT)
-    before = memory.whole(memory.things[41])
-    memory.remove(memory.things[41])
-    assert memory.positions.placed == 79
-    memory.put_back(before)
-    after = memory.whole(memory.things[41])
-    assert after.look is not None
-    assert np.array_equal(after.look, colour(41))
-    for (_, old), (_, new) in zip(before.rows, after.rows, strict=True):
-        assert all(np.array_equal(a, b) for a, b in zip(old, new, strict=True))
+    before = {whole.thing.number: whole for whole in memory.wholes()}
+    for _ in range(20):  # they leave and come in any order
+        laid = rng.permutation(80)[:30].tolist()
+        memory.lay([memory.things[number] for number in laid])
+        assert memory.positions.placed == len(memory.things) == 50
+        assert all(place.row < 0 for n in laid for place in before[n].thing.places)
+        where = {(t.number, p.number): p.row for t, p in memory.positions.owners}
+        assert sorted(where.values()) == list(range(len(memory.positions.owners)))
+        assert all(p.row == where[t.number, p.number] for t, p in memory.positions.owners)
+        assert_same(before, memory)
+        memory.wake(rng.permutation(laid).tolist())
+    memory.lay([memory.things[7], memory.things[41]])
+    memory.forget_sleepers([41])
+    assert len(memory.looks.owners) == 79
+    assert [each.thing.number for each in memory.sleepers()] == [7]
+    del before[41]
+    assert_same(before, memory)
+
+
+def assert_same(before: dict[int, Whole], memory: Memory) -> None:
+    wholes = memory.wholes()
+    assert {whole.thing.number for whole in wholes} == before.keys()
+    for whole in wholes:
+        old = before[whole.thing.number]
+        assert whole.thing is old.thing
+        assert whole.look is not None
+        assert np.array_equal(whole.look, colour(whole.thing.number))
+        assert whole.rows == old.rows

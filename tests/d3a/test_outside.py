@@ -16,7 +16,7 @@ def test_what_is_near_is_found_until_it_is_removed() -> None:
     index.add("o2", (9.0, 0.0, 0.0), (0.01, 0.01, 0.01))
     assert index.near(np.zeros((1, 3)), NOISE, 5.0) == {"o1"}
     assert "o1" in index
-    index.remove("o1")
+    index.remove(["o1"])
     assert index.near(np.zeros((1, 3)), NOISE, 5.0) == set()
     assert "o1" not in index
     assert index.near(np.array([[9.0, 0.0, 0.0]]), NOISE, 5.0) == {"o2"}
@@ -43,7 +43,7 @@ def test_any_order_of_adding_and_removing_leaves_what_is_there(seed: int) -> Non
     for _ in range(400):
         name = f"o{generator.integers(60)}"
         if name in truth and generator.random() < 0.5:
-            index.remove(name)
+            index.remove([name])
             del truth[name]
         else:
             x, y, z = generator.uniform(0.0, 10.0, 3).tolist()
