@@ -10,6 +10,7 @@ Profile = Literal["default", "paper"]
 Clustering = Literal["components", "dbscan"]
 Nearness = Literal["space", "look"]
 Weighing = Literal["probability", "count"]
+Normalising = Literal["map", "space", "none"]
 
 ANSWER_FIELDS = ("together_m", "near_m")
 """Read when a question is answered: a store filled with other values of these is the same."""
@@ -40,6 +41,7 @@ class Parameters:
     nearest_by: Nearness = "space"  # which of nearIDs is "closest"; by look there are more places
     gate_category: bool = True  # in tiers 2 and 3 as in tier 1; without it ids mix categories
     keep_moved_id: bool = True  # case 2; False: what turns up elsewhere is another thing
+    normalise_by: Normalising = "map"  # the axes of tier 3's "normalized Euclidean distance"
     # Tier 2
     stm_capacity: int = 400
     # Where things are: what is assumed where the recording does not say it

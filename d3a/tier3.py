@@ -7,6 +7,7 @@ known object always among the candidates: to match by look alone would split and
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
@@ -15,7 +16,7 @@ from numpy.typing import NDArray
 
 from d3a.images import unit
 from d3a.ledger import Ledger
-from d3a.parameters import Parameters
+from d3a.parameters import Normalising, Parameters
 from d3a.same_thing import ranked
 from d3a.sightings import Interval, joined
 from d3a.stm import Entry
@@ -54,6 +55,24 @@ def cosine(a: Embedding | None, b: Embedding | None) -> float:
     return float(a @ b) / scale if scale > 0 else 1.0
 
 
+def normalised_m(a: Floats, b: Floats, by: Normalising) -> float:
+    """Return the "normalized Euclidean distance" of two places; 0 where one is unknown.
+
+    Tiers 1 and 2 measure plain metres; the paper calls the distance normalised in tier 3 alone and
+    does not say by what. By the number of axes is the one way that needs no number beside those
+    that the paper gives: a root mean square. "map": over the map's two axes, along which the
+    robot's pose errs, so that one visit's drift does not make a second place of a thing in the
+    store; a height, in which no pose drifts, counts in full. "space": over all three axes. "none":
+    plain metres again; then tier 3 joins hardly anything that tier 2 has kept apart.
+    """
+    if by == "none":
+        return apart_m(a, b)
+    if by == "space":
+        return apart_m(a, b) / math.sqrt(len(a))
+    in_map = apart_m(a[:2], b[:2]) / math.sqrt(2)
+    return math.hypot(in_map, apart_m(a[2:], b[2:]))
+
+
 class DatabaseFilter:
     """Merges evicted entries into OIc and STc."""
 
@@ -82,9 +101,8 @@ class DatabaseFilter:
         records = self._told(entry.category, position, records)
         stays = self._ledger.stays(object_ids=list(records)) if records else []
         settled = [stay for stay in stays if not stay.volatile]
-        near = [(apart_m(position_of(stay), position), stay) for stay in settled]
+        near = [(self._apart_m(stay, position), stay) for stay in settled]
         near.sort(key=lambda each: (each[0], each[1].object_id != known_id, each[1].key))
-        # "Normalised Euclidean distance" is not specified further: plain metres, as in tier 2.
         if near and near[0][0] <= self._parameters.d_thresh_m:
             stay = near[0][1]
             self._update_stay(stay, entry, position)
@@ -127,10 +145,13 @@ class DatabaseFilter:
             stay.object_id
             for stay in self._ledger.stays(object_ids=ids)
             if stay.site == self._stored.site
-            and apart_m(position_of(stay), position) <= self._parameters.d_thresh_m
+            and self._apart_m(stay, position) <= self._parameters.d_thresh_m
         }
         told = {r.object_id: r for r in self._ledger.objects(ids=sorted(near)) if not r.volatile}
         return dict(sorted((records | told).items()))
+
+    def _apart_m(self, stay: StayRecord, position: Floats) -> float:
+        return normalised_m(position_of(stay), position, self._parameters.normalise_by)
 
     def _most_alike(
         self, records: dict[str, ObjectRecord], look: Embedding | None, known_id: str | None

@@ -54,6 +54,8 @@ WORSE_FIRST = (NON_SPATIAL_METHOD, NAIVE, D3A_D, D3A_P)
 READINGS: tuple[tuple[str, dict[str, object]], ...] = (
     ("as it is", {}),
     ("similarity as a distance of 0.4 (0.6)", {"min_similarity": 0.6}),
+    ("tier 3 in plain metres", {"normalise_by": "none"}),
+    ("tier 3 normalised over three axes", {"normalise_by": "space"}),
     ("intervals end after 10 minutes", {"interval_gap_s": 600.0}),
     ("nearest in look", {"nearest_by": "look"}),
     ("no category gate in tiers 2 and 3", {"gate_category": False}),

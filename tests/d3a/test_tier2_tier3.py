@@ -24,10 +24,11 @@ def frame(
     category: str = "cup",
     probability: float = 0.8,
     embedding: NDArray[np.float32] | None = None,
+    z: float = 0.0,
 ) -> Scene:
     seen = colour(look) if embedding is None else embedding
     detection = Detection(
-        category, probability, (0, 0, 5, 5), position=(x, 0.0, 0.0), embedding=seen, row=number
+        category, probability, (0, 0, 5, 5), position=(x, 0.0, z), embedding=seen, row=number
     )
     return Scene(FrameRef(f"f{number}", round(number * step_s * 1000)), (detection,))
 
@@ -157,6 +158,30 @@ def test_a_full_memory_evicts_the_least_recently_viewed_and_tier_3_merges_it_aga
     weights = {record.object_id: record.weight for record in store.objects()}
     assert weights == pytest.approx({"o1": 3.2, "o2": 3.2})
     assert [stay.seen for stay in store.stays()] == [4, 4]
+
+
+@pytest.mark.parametrize("capacity", [400, 1], ids=["flushed", "evicted"])
+@pytest.mark.parametrize(
+    ("along_m", "up_m", "places"),
+    [
+        (0.6, 0.0, {"map": 1, "space": 1, "none": 2}),  # drift, that tier 2 made a place of
+        (0.8, 0.0, {"map": 2, "space": 1, "none": 2}),
+        (0.0, 0.6, {"map": 2, "space": 1, "none": 2}),  # the shelf above: no pose drifts there
+    ],
+)
+def test_tier_3_normalises_by_the_axes(
+    along_m: float, up_m: float, places: dict[str, int], capacity: int
+) -> None:
+    found = {}
+    for by in places:
+        line = Line(normalise_by=by, stm_capacity=capacity)
+        line.see(frame(0, 1.0), frame(1, 1.0))
+        line.see(*(frame(n, 1.0 + along_m, z=up_m) for n in (100, 101)))
+        assert len(line.write().stays()) == 2
+        store = line.write(flush=True)
+        found[by] = len(store.stays())
+        assert sum(stay.seen for stay in store.stays()) == 4
+    assert found == places
 
 
 def test_an_instance_keeps_its_object_whatever_is_more_alike_in_the_store() -> None:
