@@ -6,7 +6,6 @@ A process that asks one store many questions reads these once for as long as nob
 from __future__ import annotations
 
 import weakref
-from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
@@ -17,6 +16,7 @@ import numpy as np
 
 from d3a.attributes import Looks
 from d3a.colours import HISTOGRAM_SIZE, Palette, histograms, learn
+from d3a.kept import Kept
 from d3a.match import Candidate, Lexicon, candidates
 from d3a.moments import in_slice, joined
 from d3a.parameters import DEFAULT, PROFILES, Parameters
@@ -34,15 +34,13 @@ from d3a.store.base import (
 from d3a.store.newest import is_whole, newest_of
 from grammar.forms import RelationKind
 
-MOST_KEPT = 5_000
+MOST_STAYS = 5_000
 """So many stays are kept between questions at most."""
 MOST_OBJECTS = 50_000
 """And so many records of objects, half a kilobyte each."""
 MOST_LOOKS = 25_000
 """With their embeddings they are five times as large: 60 MB at most, and 15 MB for their pixels."""
 MOST_SIGHTINGS = 20_000
-FEW_UNKNOWN = 16
-"""Of so few objects all stays are read, and kept for the next question."""
 FEW_SIGHTINGS = 500
 """Where no more was seen of what is asked for, it is read whole, and kept for the next question."""
 PALETTE_OBJECTS = 1_000
@@ -50,8 +48,10 @@ PALETTE_OBJECTS = 1_000
 FEW_OBJECTS = 2_000
 """In a home of so few objects, what is large is looked for under every category."""
 _Seen = TypeVar("_Seen", Sighting, StayRecord)
-_Asked = tuple[tuple[str, ...] | None, bool]
+_Asked = tuple[str, ...] | None
 _Meant = tuple[FindObjects, tuple[tuple[str, float], ...], float]
+_Candidates = tuple[list[ObjectRecord], list[Candidate]]
+_Pixels = tuple[Looks | None, bool]
 
 
 @dataclass(slots=True)
@@ -64,19 +64,21 @@ class _Known:
     palette: Palette | None = None
     landmarks: Landmarks | None = None
     meta: dict[str, Any] = field(default_factory=dict)
-    objects: dict[_Asked, list[ObjectRecord]] = field(default_factory=dict)
-    meant: dict[_Meant, tuple[list[ObjectRecord], list[Candidate]]] = field(default_factory=dict)
-    looks: dict[tuple[str, ...], Looks | None] = field(default_factory=dict)
-    stays: dict[str, list[StayRecord]] = field(default_factory=dict)
+    objects: Kept[_Asked, list[ObjectRecord]] = field(default_factory=lambda: Kept(MOST_OBJECTS))
+    seen: Kept[_Asked, list[ObjectRecord]] = field(default_factory=lambda: Kept(MOST_LOOKS))
+    meant: Kept[_Meant, _Candidates] = field(default_factory=lambda: Kept(MOST_OBJECTS))
+    looks: Kept[tuple[str, ...], _Pixels] = field(default_factory=lambda: Kept(MOST_LOOKS))
+    stays: Kept[str, list[StayRecord]] = field(default_factory=lambda: Kept(MOST_STAYS))
+    places: Kept[StayKey, StayRecord] = field(default_factory=lambda: Kept(MOST_STAYS))
     sightings: dict[str, list[Sighting]] = field(default_factory=dict)
-    kept: Counter[str] = field(default_factory=Counter)
+    kept: int = 0
     crowded: bool = False
 
-    def keeps(self, kind: str, number: int, most: int) -> bool:
-        """Whether so many more records may be kept; counts them where they may."""
-        if self.kept[kind] + number > most:
+    def keeps(self, number: int) -> bool:
+        """Whether so many more sightings may be kept; counts them where they may."""
+        if self.kept + number > MOST_SIGHTINGS:
             return False
-        self.kept[kind] += number
+        self.kept += number
         return True
 
 
@@ -154,13 +156,12 @@ class Facts:
 
     def objects(self, categories: Sequence[str] | None, *, embeddings: bool) -> list[ObjectRecord]:
         """Return the objects of which any detection had one of the categories, by id; None: all."""
-        asked = (None if categories is None else tuple(categories), embeddings)
-        found = self._known.objects.get(asked)
+        asked = None if categories is None else tuple(categories)
+        kept = self._known.seen if embeddings else self._known.objects
+        found = kept.get(asked, None)
         if found is None:
             found = self.store.objects(categories=categories, votes=True, embeddings=embeddings)
-            kind, most = ("looks", MOST_LOOKS) if embeddings else ("objects", MOST_OBJECTS)
-            if self._known.keeps(kind, len(found), most):
-                self._known.objects[asked] = found
+            kept.put(asked, found, len(found))
         return found
 
     def candidates(
@@ -175,43 +176,44 @@ class Facts:
         of, found = self._known.meant.get(asked, ([], []))
         if len(of) != len(records) or any(map(is_not, of, records)):
             of, found = list(records), candidates(step, records, worth, confusion=confusion)
-            if self._known.keeps("meant", len(of), MOST_OBJECTS):
-                self._known.meant[asked] = (of, found)
+            self._known.meant.put(asked, (of, found), len(of))
         return found
 
     def looks(self, records: Sequence[ObjectRecord]) -> Looks | None:
         """Return the colours of objects, None where none of them has a histogram."""
         asked = tuple([record.object_id for record in records])
-        if asked not in self._known.looks:
+        found, is_known = self._known.looks.get(asked, (None, False))
+        if not is_known:
             found = Looks.of(records, self.palette)
-            if not self._known.keeps("pixels", len(asked), MOST_LOOKS):
-                return found
-            self._known.looks[asked] = found
-        return self._known.looks[asked]
+            self._known.looks.put(asked, (found, True), len(asked))
+        return found
 
     def stays(self, ids: Sequence[str]) -> dict[StayKey, StayRecord]:
         """Return where the objects lay, by (object_id, place)."""
-        known = self._known.stays
-        unknown = [name for name in ids if name not in known]
-        read = _by_object(unknown, self.store.stays(object_ids=unknown) if unknown else ())
-        found = {s.key: s for name in ids for s in (read[name] if name in read else known[name])}
-        if self._known.keeps("stays", sum(map(len, read.values())), MOST_KEPT):
-            known |= read
-        return found
+        known = {name: self._known.stays.get(name, None) for name in ids}
+        unknown = [name for name, stays in known.items() if stays is None]
+        if unknown:
+            for name, read in _by_object(unknown, self.store.stays(object_ids=unknown)).items():
+                known[name] = read
+                self._known.stays.put(name, read, len(read))
+        return {stay.key: stay for stays in known.values() for stay in stays or ()}
 
     def stays_of(
         self, sightings: Sequence[Sighting], *, whole: bool = False
     ) -> dict[StayKey, StayRecord]:
         """Return the stays of sightings, by (object_id, place), and maybe others of their objects.
 
-        whole: all stays of their objects.
+        whole: all stays of their objects. In a large memory these lie far apart in its file.
         """
-        ids = sorted({sighting.object_id for sighting in sightings})
-        unknown = sum(name not in self._known.stays for name in ids)
-        if whole or unknown <= FEW_UNKNOWN or self._has_few_objects():
-            return self.stays(ids)
-        found = self.store.stays_at(sorted({sighting.stay for sighting in sightings}))
-        return {stay.key: stay for stay in found}
+        if whole or self._has_few_objects():
+            return self.stays(sorted({sighting.object_id for sighting in sightings}))
+        keys = sorted({(sighting.object_id, sighting.place) for sighting in sightings})
+        known = {key: self._known.places.get(key, None) for key in keys}
+        unknown = [key for key, stay in known.items() if stay is None]
+        for stay in self.store.stays_at(unknown) if unknown else ():
+            known[stay.key] = stay
+            self._known.places.put(stay.key, stay, 1)
+        return {key: stay for key, stay in known.items() if stay is not None}
 
     def reach(self, ids: Sequence[str], count: int) -> int | None:
         """Return the start of the count-th newest sighting, see `Store.reach`."""
@@ -262,7 +264,7 @@ class Facts:
 
     def _keep_sightings(self, ids: Sequence[str], found: Sequence[Sighting]) -> bool:
         """Keep the sightings of objects, all that there are; False where there is no room."""
-        room = self._known.keeps("sightings", len(found), MOST_SIGHTINGS)
+        room = self._known.keeps(len(found))
         if room:
             self._known.sightings |= _by_object(ids, found)
         return room
@@ -284,7 +286,7 @@ class Facts:
         fresh = _by_object(unknown, self.store.sightings(object_ids=unknown) if unknown else ())
         parts = (fresh[name] if name in fresh else known[name] for name in ids)
         found = joined(s for part in parts for s in part if in_slice(s, start_ms, end_ms))
-        if self._known.keeps("sightings", sum(map(len, fresh.values())), MOST_SIGHTINGS):
+        if self._known.keeps(sum(map(len, fresh.values()))):
             known |= fresh
         return found
 

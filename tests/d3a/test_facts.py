@@ -138,7 +138,7 @@ def test_a_slice_is_the_same_whether_the_rest_is_known(
 
 
 def test_more_than_may_be_kept_is_read_each_time(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(facts_module, "MOST_KEPT", 1)
+    monkeypatch.setattr(facts_module, "MOST_STAYS", 1)
     monkeypatch.setattr(facts_module, "MOST_SIGHTINGS", 1)
     store = home().into(OracleStore())
     facts = Facts(store)
@@ -146,6 +146,34 @@ def test_more_than_may_be_kept_is_read_each_time(monkeypatch: pytest.MonkeyPatch
         assert len(facts.objects(None, embeddings=False)) == 2
         assert list(facts.stays(["cup"])) == [("cup", 0), ("cup", 1)]
         assert len(facts.sightings(["cup"], None, None)) == 2
+
+
+def test_a_question_of_everything_keeps_no_room_from_the_next(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(facts_module, "MOST_OBJECTS", 2)
+    with closing(open_store(str(tmp_path / "home.db"))) as store:
+        facts = Facts(home().into(store))
+        assert len(facts.objects(None, embeddings=False)) == 2
+        found = facts.objects(["cup"], embeddings=False)
+        assert facts.objects(["cup"], embeddings=False) is found
+
+
+def test_of_a_large_memory_the_asked_stays_are_read_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(facts_module, "FEW_OBJECTS", 1)
+    with closing(open_store(str(tmp_path / "home.db"))) as store:
+        facts = Facts(home().into(store))
+        early, late = facts.sightings(["cup"], None, None)
+        assert facts.stays_of([late]).keys() == {("cup", 1)}
+        told: list[NativeQuery] = []
+        store.tracing(told.append)
+        assert facts.stays_of([late]) == {("cup", 1): store.stays(object_ids=["cup"])[1]}
+        told.clear()
+        assert facts.stays_of([late, late, early]).keys() == {("cup", 0), ("cup", 1)}
+        assert [query.rows for query in told] == [1]
+        assert facts.stays_of([early], whole=True).keys() == {("cup", 0), ("cup", 1)}
 
 
 def test_a_landmark_has_its_category_as_people_say_it() -> None:
