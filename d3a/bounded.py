@@ -42,7 +42,7 @@ def find_bounded(run: Run, step: FindSightings) -> None:
     table.sightings = joined(found)
     if len(found) >= most:
         last = None if end is None else end - 1
-        run.counted = run.store.count_seen(table.ids, start_ms=start, end_ms=last)
+        run.counted = run.facts.count_seen(table.ids, start, last)
         run.cut = True
 
 
@@ -102,16 +102,18 @@ def keep_since(run: Run, tables: Sequence[Found]) -> None:
 
 def _tiers(table: Found, shares: tuple[float, ...]) -> list[list[str]]:
     """Return the ids by worth: at least so large a share of the best's; the last take the rest."""
-    worth = {name: _worth(candidate) for name, candidate in table.candidates.items()}
+    worth = {name: _worth(table.candidates[name]) for name in table.ids}
     best = max(worth.values(), default=0.0)
     tiers: list[list[str]] = [[] for _ in (*shares, 0.0)]
-    for name in sorted(worth):
-        place = sum(worth[name] < share * best for share in shares)
-        tiers[place].append(name)
+    place_of = {value: sum(value < share * best for share in shares) for value in {*worth.values()}}
+    for name, value in worth.items():
+        tiers[place_of[value]].append(name)
     return tiers
 
 
 def _worth(candidate: Candidate) -> float:
     """Return the part of a moment's score that its object alone decides."""
-    doubt = TENTATIVE if candidate.record.tentative else 1.0
-    return candidate.match * prod(candidate.attributes.values()) * doubt
+    told = candidate.match
+    if candidate.attributes:  # of thousands of things most are asked without
+        told *= prod(candidate.attributes.values())
+    return told * TENTATIVE if candidate.record.tentative else told

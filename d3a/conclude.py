@@ -45,6 +45,7 @@ def conclude(run: Run, limit: int) -> Answer:
 def _keyframes(run: Run, limit: int) -> tuple[list[RankedKeyframe], bool]:
     """Return the keyframes of the moments, cut as `within` does."""
     out: list[RankedKeyframe] = []
+    run.find_spots([e for one in run.ranked[: max(limit, 1)] for e in one.moment.entries])
     for group, one in enumerate(run.ranked, 1):
         entries = one.moment.entries
         if len(out) >= max(limit, 1):

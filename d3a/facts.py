@@ -50,6 +50,7 @@ FEW_OBJECTS = 2_000
 _Seen = TypeVar("_Seen", Sighting, StayRecord)
 _Asked = tuple[str, ...] | None
 _Meant = tuple[FindObjects, tuple[tuple[str, float], ...], float]
+_Counted = tuple[tuple[str, ...], int | None, int | None]
 _Candidates = tuple[list[ObjectRecord], list[Candidate]]
 _Pixels = tuple[Looks | None, bool]
 
@@ -69,10 +70,17 @@ class _Known:
     meant: Kept[_Meant, _Candidates] = field(default_factory=lambda: Kept(MOST_OBJECTS))
     looks: Kept[tuple[str, ...], _Pixels] = field(default_factory=lambda: Kept(MOST_LOOKS))
     stays: Kept[str, list[StayRecord]] = field(default_factory=lambda: Kept(MOST_STAYS))
-    places: Kept[StayKey, StayRecord] = field(default_factory=lambda: Kept(MOST_STAYS))
+    places: dict[StayKey, StayRecord] = field(default_factory=dict)
+    counts: Kept[_Counted, int] = field(default_factory=lambda: Kept(MOST_OBJECTS))
     sightings: dict[str, list[Sighting]] = field(default_factory=dict)
     kept: int = 0
     crowded: bool = False
+
+    def room_for_places(self, number: int) -> dict[StayKey, StayRecord]:
+        """Return the stays kept one by one, none where so many more would be too many."""
+        if len(self.places) + number > MOST_STAYS:
+            self.places = {}  # whoever still reads the old ones has them
+        return self.places
 
     def keeps(self, number: int) -> bool:
         """Whether so many more sightings may be kept; counts them where they may."""
@@ -207,13 +215,12 @@ class Facts:
         """
         if whole or self._has_few_objects():
             return self.stays(sorted({sighting.object_id for sighting in sightings}))
-        keys = sorted({(sighting.object_id, sighting.place) for sighting in sightings})
-        known = {key: self._known.places.get(key, None) for key in keys}
-        unknown = [key for key, stay in known.items() if stay is None]
-        for stay in self.store.stays_at(unknown) if unknown else ():
-            known[stay.key] = stay
-            self._known.places.put(stay.key, stay, 1)
-        return {key: stay for key, stay in known.items() if stay is not None}
+        keys = {(sighting.object_id, sighting.place) for sighting in sightings}
+        known = self._known.room_for_places(len(keys))
+        if not known.keys() >= keys:
+            found = self.store.stays_at(sorted(keys - known.keys()))
+            known.update(((stay.object_id, stay.place), stay) for stay in found)
+        return {key: known[key] for key in sorted(keys & known.keys())}
 
     def reach(self, ids: Sequence[str], count: int) -> int | None:
         """Return the start of the count-th newest sighting, see `Store.reach`."""
@@ -245,6 +252,15 @@ class Facts:
         if start_ms is None and end_ms is None and is_whole(found, limit):
             self._keep_sightings(ids, found)
         return found
+
+    def count_seen(self, ids: Sequence[str], start_ms: int | None, last_ms: int | None) -> int:
+        """Count the objects with a sighting that touches the closed [start, last]."""
+        asked = (tuple(ids), start_ms, last_ms)
+        count = self._known.counts.get(asked, None)
+        if count is None:
+            count = self.store.count_seen(ids, start_ms=start_ms, end_ms=last_ms)
+            self._known.counts.put(asked, count, len(ids))
+        return count
 
     def _has_few_objects(self) -> bool:
         return sum(count for _, count in self._counted()) <= FEW_OBJECTS

@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass, field
-from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,8 +44,11 @@ LEAST_SHARE = 0.75
 """A landmark was seen so often, so much of it at one place and under one name."""
 FAR_M = 6.0
 """Where nothing near has a name, a landmark within this distance tells the place, with metres."""
-FEW = 24
-"""Up to so many landmarks are compared one by one."""
+ROUNDING_M = 1e-6
+"""More than what arrays may round a distance by."""
+
+
+_Bounds = tuple[float, float, float, float]
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,38 +59,47 @@ class Landmarks:
     categories: tuple[str, ...]
     places: tuple[Position, ...]
     _array: NDArray[np.float64] = field(init=False, repr=False, compare=False)
+    _rows: dict[str, int] = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
-        """Keep the positions as an array (n, 3) too."""
-        places = np.array(self.places, dtype=np.float64).reshape(-1, 3)
+        """Keep the positions as an array (3, n) too, and which id is where."""
+        places = np.array(self.places, dtype=np.float64).reshape(-1, 3).T
         object.__setattr__(self, "_array", places)
+        object.__setattr__(self, "_rows", {name: row for row, name in enumerate(self.ids)})
 
     def nearest(
         self,
-        position: Position | None,
+        stays: Sequence[StayRecord],
         limit_m: float,
         *,
         not_ids: Collection[str] = (),
         not_categories: Collection[str] = (),
-    ) -> tuple[str, float] | None:
-        """Return category and distance of the nearest within the limit that is not ruled out."""
-        if position is None or not self.ids:
-            return None
-        best: tuple[str, float] | None = None
-        for i, place in self._within(position, limit_m):
-            apart = math.dist(position, place)
-            if apart > limit_m or (best is not None and apart >= best[1]):
-                continue
-            if self.ids[i] not in not_ids and self.categories[i] not in not_categories:
-                best = self.categories[i], apart
-        return best
+    ) -> list[tuple[str, float] | None]:
+        """Return category and distance of the nearest to each stay within the limit.
 
-    def _within(self, position: Position, limit_m: float) -> Iterable[tuple[int, Position]]:
-        """Return those that may be within the limit, by id; all where they are few."""
-        if len(self.ids) <= FEW:  # an array of so few costs more than it saves
-            return enumerate(self.places)
-        apart = np.abs(self._array - np.array(position)).max(axis=1)
-        return [(i, self.places[i]) for i in np.flatnonzero(apart <= limit_m).tolist()]
+        The first by id of those as near; never the thing itself, nor what is ruled out.
+        """
+        found: list[tuple[str, float] | None] = [None] * len(stays)
+        placed = [k for k, stay in enumerate(stays) if stay.position is not None]
+        if not placed or not self.ids:
+            return found
+        positions = np.array([stays[k].position for k in placed]).T  # (3, p)
+        x, y, z = positions[:, :, None] - self._array[:, None]  # (p, n) each
+        apart = np.sqrt(x * x + y * y + z * z)
+        named = zip(self.ids, self.categories, strict=True)
+        apart[:, [i in not_ids or kind in not_categories for i, kind in named]] = np.inf
+        for row, k in enumerate(placed):
+            own = self._rows.get(stays[k].object_id)
+            if own is not None:
+                apart[row, own] = np.inf
+        # arrays may round otherwise than one distance alone: the exact one decides among the near
+        close = apart <= np.minimum(apart.min(axis=1), limit_m)[:, None] + ROUNDING_M
+        for row, i in zip(*map(np.ndarray.tolist, np.nonzero(close)), strict=True):
+            k, best = placed[row], found[placed[row]]
+            exact = math.dist(stays[k].position or (), self.places[i])
+            if exact <= limit_m and (best is None or exact < best[1]):
+                found[k] = self.categories[i], exact
+        return found
 
 
 def is_landmark_word(category: str, lexicon: Lexicon, *, or_large: bool = False) -> bool:
@@ -190,12 +201,34 @@ def is_of(region: Region, site: str) -> bool:
 
 def room_of(regions: Sequence[Region], position: Position | None, site: str) -> str | None:
     """Return the name of the site's room that holds a position, the smallest of several."""
+    return rooms_of(regions, [(position, site)])[0]
+
+
+def rooms_of(
+    regions: Sequence[Region], places: Iterable[tuple[Position | None, str]]
+) -> list[str | None]:
+    """Return the name of the room that holds each place, see `room_of`. places: with their site."""
+    bounded = [(region, _bounds(region.polygon)) for region in regions]
+    return [_room(bounded, *place) for place in places]
+
+
+def _room(
+    bounded: Sequence[tuple[Region, _Bounds]], position: Position | None, site: str
+) -> str | None:
     if position is None:
         return None
     x, y = position[0], position[1]
-    near = [r for r in regions if is_of(r, site) and _may_hold(r.polygon, x, y)]
-    holding = [r for r in near if _depth_inside(r.polygon, x, y) >= 0]
-    return min(holding, key=lambda r: (area_m2(r.polygon), r.name)).name if holding else None
+    holding = [
+        region
+        for region, (x_min, x_max, y_min, y_max) in bounded
+        if x_min <= x <= x_max
+        and y_min <= y <= y_max
+        and is_of(region, site)
+        and _depth_inside(region.polygon, x, y) >= 0
+    ]
+    if len(holding) < 2:
+        return holding[0].name if holding else None
+    return min(holding, key=lambda r: (area_m2(r.polygon), r.name)).name
 
 
 def last_look(views: Sequence[View], region: Region) -> int | None:
@@ -231,13 +264,7 @@ def _depth_inside(polygon: Sequence[tuple[float, float]], x: float, y: float) ->
     return nearest if inside else -nearest
 
 
-def _may_hold(polygon: tuple[tuple[float, float], ...], x: float, y: float) -> bool:
-    x_min, x_max, y_min, y_max = _bounds(polygon)
-    return x_min <= x <= x_max and y_min <= y <= y_max
-
-
-@lru_cache(maxsize=256)
-def _bounds(polygon: tuple[tuple[float, float], ...]) -> tuple[float, float, float, float]:
+def _bounds(polygon: Sequence[tuple[float, float]]) -> _Bounds:
     xs, ys = zip(*polygon, strict=True)
     return min(xs), max(xs), min(ys), max(ys)
 

@@ -14,7 +14,7 @@ from d3a.facts import Facts
 from d3a.match import Candidate, Lexicon, squash
 from d3a.moments import Entry, Found, Moment, single
 from d3a.parameters import Parameters
-from d3a.places import FAR_M, Landmarks, room_of, sigma_of
+from d3a.places import FAR_M, Landmarks, rooms_of, sigma_of
 from d3a.plan import FilterPlace, FindObjects, Rank, Relate, Step, Unite
 from d3a.rank import Ranked
 from d3a.store.base import ObjectRecord, Region, Sighting, StayKey, StayRecord, Store
@@ -191,14 +191,25 @@ class Run:
         """Return where an entry was, as a person is told; worked out once a stay."""
         if entry.stay is None:
             return Spot()
-        spot = self._spots.get(entry.stay.key)
-        if spot is None:
-            spot = self._spots[entry.stay.key] = self._spot(entry, entry.stay)
-        return spot
+        if entry.stay.key not in self._spots:
+            self.find_spots([entry])
+        return self._spots[entry.stay.key]
 
-    def _spot(self, entry: Entry, stay: StayRecord) -> Spot:
-        room = room_of(self.facts.regions(), stay.position, stay.site)
-        landmark = self._near(entry, stay)
+    def find_spots(self, entries: Sequence[Entry]) -> None:
+        """Work out where entries were, all at once."""
+        fresh: dict[str, dict[StayKey, StayRecord]] = {}
+        for entry in entries:
+            if entry.stay is not None and entry.stay.key not in self._spots:
+                own = self.lexicon.canonical(entry.candidate.record.category)
+                fresh.setdefault(own, {})[entry.stay.key] = entry.stay
+        regions = self.facts.regions()
+        for own, stays in fresh.items():
+            rooms = rooms_of(regions, [(stay.position, stay.site) for stay in stays.values()])
+            near = self._near(own, [*stays.values()])
+            for stay, room, landmark in zip(stays.values(), rooms, near, strict=True):
+                self._spots[stay.key] = self._spot(stay, room, landmark)
+
+    def _spot(self, stay: StayRecord, room: str | None, landmark: tuple[str, float] | None) -> Spot:
         if landmark is None:
             return Spot(room)
         reach, sigma = self.parameters.near_m, sigma_of(stay)
@@ -207,22 +218,16 @@ class Run:
         near = landmark[1] <= reach
         return Spot(room, near=landmark[0]) if near else Spot(room, beyond=landmark)
 
-    def _near(self, entry: Entry, stay: StayRecord) -> tuple[str, float] | None:
-        """Return the landmark that an entry is told by, as a person spells it, and its distance.
+    def _near(self, own: str, stays: Sequence[StayRecord]) -> list[tuple[str, float] | None]:
+        """Return the landmarks that stays are told by, as a person spells them, and how far.
 
         Never the thing itself, nor what it may be confused with: what else the question may
-        mean, or is called the same.
+        mean, or is called the same. own: the category of all of the things.
         """
         if self.landmarks is None:
-            return None
+            return [None] * len(stays)
         ids, kinds = self._never_landmarks()
-        own = self.lexicon.canonical(entry.candidate.record.category)
-        return self.landmarks.nearest(
-            stay.position,
-            FAR_M,
-            not_ids={*ids, stay.object_id},
-            not_categories={*kinds, own},
-        )
+        return self.landmarks.nearest(stays, FAR_M, not_ids=ids, not_categories={*kinds, own})
 
     def _never_landmarks(self) -> tuple[frozenset[str], frozenset[str]]:
         """Return the ids and the categories that the figures of the question may be."""

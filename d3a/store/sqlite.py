@@ -48,7 +48,7 @@ from d3a.store.rows import (
     view_record,
 )
 from d3a.store.sqlite_dump import Moment
-from d3a.store.sqlite_newest import Newest
+from d3a.store.sqlite_newest import Newest, count_seen
 from d3a.store.sqlite_read import Select
 from d3a.store.sqlite_write import Writer
 
@@ -290,8 +290,7 @@ class SqliteStore:
         end_ms: int | None = None,
     ) -> int:
         """Count the objects with a sighting that touches the closed [start, end]."""
-        select = sqlite_read.seen(object_ids, start_ms, end_ms)
-        return int(self._rows(select.text(), select.parameters)[0][0])
+        return count_seen(self._rows, object_ids, start_ms, end_ms)
 
     def edges(
         self,

@@ -19,19 +19,60 @@ from d3a.store.sqlite_read import (
     among,
     as_list,
     columns_of,
+    seen,
+    seen_within,
     sightings,
     touching,
 )
 
 Rows = Callable[[str, dict[str, Any]], list[Row]]
 _ORDER = "s.start_ms, s.object_id, s.place"
-_PROBE = 4
+PROBE = 4
 """A step into an index costs as much as so many rows that are walked."""
 _EXTENT = """
 SELECT (SELECT max(id) FROM sighting), (SELECT min(start_ms) FROM sighting),
   (SELECT max(start_ms) FROM sighting), (SELECT max(rowid) FROM oic),
   (SELECT value FROM internal WHERE key = 'max_sighting_ms')
 """
+
+
+@dataclass(frozen=True, slots=True)
+class _Extent:
+    """How much there is: sightings, from when to when they start, objects, the longest."""
+
+    sightings: int
+    first_ms: int
+    last_ms: int
+    objects: int
+    longest_ms: int
+
+    @classmethod
+    def read(cls, rows: Rows) -> _Extent | None:
+        """Return the store's, None where nothing was seen. rows: runs a query."""
+        row = rows(_EXTENT, {})[0]
+        return None if row[0] is None else cls(*row)
+
+    @property
+    def a_ms(self) -> float:
+        """How many sightings of any object start in a millisecond."""
+        return self.sightings / max(1, self.last_ms - self.first_ms)
+
+    def is_walked(self, width_ms: int, ids: int) -> bool:
+        """Whether to walk through so much time beats a step into an index for each of the ids."""
+        return width_ms * self.a_ms < PROBE * ids
+
+
+def count_seen(
+    rows: Rows, object_ids: Sequence[str], start_ms: int | None, end_ms: int | None
+) -> int:
+    """Return what `Store.count_seen` does. rows: runs a query."""
+    ids = sorted(dict.fromkeys(object_ids))  # most come in their order: sorted at once
+    select = seen(ids, start_ms, end_ms)
+    if len(ids) > MANY_IDS and start_ms is not None and end_ms is not None:
+        extent = _Extent.read(rows)
+        if extent is not None and extent.is_walked(end_ms - start_ms + extent.longest_ms, len(ids)):
+            select = seen_within(ids, start_ms, end_ms)
+    return int(rows(select.text(), select.parameters)[0][0])
 
 
 @dataclass(slots=True)
@@ -71,7 +112,7 @@ class Newest:
 
     def read(self, rows: Rows) -> list[Row]:
         """Return the rows of SIGHTING_COLUMNS. rows: runs a query."""
-        ids = sorted(set(self.object_ids))
+        ids = sorted(dict.fromkeys(self.object_ids))
         if not ids or self.limit < 1:
             return []
         if len(ids) <= MANY_IDS and self._are_few(rows, ids):
@@ -101,22 +142,21 @@ class Newest:
     def _walk(self, rows: Rows, ids: Sequence[str]) -> _Stays:
         """Return the stays of windows of time, until they are enough or there is no more."""
         found = _Stays()
-        last_row, first_ms, last_ms, objects, longest_ms = rows(_EXTENT, {})[0]
-        if last_row is None:
+        extent = _Extent.read(rows)
+        if extent is None:
             return found
-        low, high = first_ms, last_ms
+        low, high = extent.first_ms, extent.last_ms
         if self.start_ms is not None:
-            low = max(low, self.start_ms - longest_ms)
+            low = max(low, self.start_ms - extent.longest_ms)
         if self.end_ms is not None:
             high = min(high, self.end_ms)
-        a_ms = last_row / max(1, last_ms - first_ms)  # sightings of any object
-        share = min(1.0, len(ids) / max(1, objects))
-        width = max(60_000, round(2 * self.limit / (a_ms * share)))
+        share = min(1.0, len(ids) / max(1, extent.objects))
+        width = max(60_000, round(2 * self.limit / (extent.a_ms * share)))
         listed = as_list(ids)
         while low <= high and len(found.newest) < self.limit:
             begin = low if self.oldest else max(low, high - width + 1)
             end = min(high, low + width - 1) if self.oldest else high
-            walked = (end - begin + 1) * a_ms < _PROBE * len(ids)
+            walked = extent.is_walked(end - begin + 1, len(ids))
             count = found.take(self._window(rows, listed, begin, end, walked=walked))
             low, high = (end + 1, high) if self.oldest else (low, begin - 1)
             width *= 2 if count > self.limit // 4 else 8

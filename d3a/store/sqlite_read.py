@@ -222,13 +222,28 @@ def _sightings_in_box(columns: str, order: str, start_ms: int | None, end_ms: in
 
 
 def seen(object_ids: Sequence[str], start_ms: int | None, end_ms: int | None) -> Select:
-    """Return the query of `Store.count_seen`: one step into an index per object."""
+    """Return the query of `Store.count_seen`: one step into an index per object, by id."""
     inner = Select("1", "sighting q INDEXED BY sighting_object_start", "")
     inner.where("q.object_id = j.value")
     touching(inner, "q", "max_sighting_ms", start_ms, end_ms)
     select = Select("count(*)", "json_each(:ids) j", "", [f"EXISTS ({inner.text()})"])
-    select.parameters = {"ids": as_list(sorted(set(object_ids))), **inner.parameters}
+    select.parameters = {"ids": as_list(object_ids), **inner.parameters}
     return select
+
+
+def seen_within(object_ids: Sequence[str], start_ms: int, end_ms: int) -> Select:
+    """Return the query of `Store.count_seen` for many objects: a walk through the time.
+
+    What starts within touches it: only what started before is looked up for its end.
+    """
+    source = "sighting q INDEXED BY sighting_start"
+    within = Select("q.object_id", source, "")
+    within.where(among("+q.object_id", "ids"), ids=as_list(object_ids))
+    within.where("q.start_ms BETWEEN :start_ms AND :end_ms", start_ms=start_ms, end_ms=end_ms)
+    before = Select("q.object_id", source, "", [within.conditions[0], "q.start_ms < :start_ms"])
+    touching(before, "q", "max_sighting_ms", start_ms, None)
+    both = f"({within.text()} UNION {before.text()})"
+    return Select("count(*)", both, "", [], within.parameters)
 
 
 def starts(object_ids: Sequence[str]) -> Select:

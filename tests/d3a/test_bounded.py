@@ -34,11 +34,12 @@ def home(tmp_path_factory: pytest.TempPathFactory) -> str:
     return path
 
 
-@pytest.mark.parametrize("many", [0, 10, 1000])
+@pytest.mark.parametrize(("many", "probe"), [(0, 4), (0, 1_000_000), (10, 4), (1000, 4)])
 def test_the_newest_of_each_stay_by_windows_as_by_reading_all(
-    home: str, many: int, monkeypatch: pytest.MonkeyPatch
+    home: str, many: int, probe: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(sqlite_newest, "MANY_IDS", many)
+    monkeypatch.setattr(sqlite_newest, "PROBE", probe)  # so large: time is walked through
     draw = random.Random(many)
     first, last = scaled.span_ms(600)
     with closing(open_store(home, read_only=True)) as store:
@@ -51,7 +52,7 @@ def test_the_newest_of_each_stay_by_windows_as_by_reading_all(
             read = store.sightings(object_ids=some, start_ms=start, end_ms=end)
             found = store.newest(some, limit, start_ms=start, end_ms=end, oldest=oldest)
             assert found == newest_of(read, limit, oldest=oldest)
-            seen = store.count_seen(some, start_ms=start, end_ms=end)
+            seen = store.count_seen([*some, some[0]], start_ms=start, end_ms=end)
             assert seen == len({sighting.object_id for sighting in read})
 
 
