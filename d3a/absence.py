@@ -105,10 +105,13 @@ class Absence:
         seen = project(positions.mean + offset.mean, scene.pose, scene.camera)
         parameters = self._parameters
         visible = in_view(seen, scene.camera, parameters.view_range_m, parameters.view_margin)
-        shared = np.trace(offset.covariance)
-        sigma = np.sqrt((positions.variance.sum(axis=0) + shared) / 3)
-        rows = np.flatnonzero(visible & (sigma <= SURE_M))
-        spots = seen.u[rows], seen.v[rows], seen.depth_m[rows], sigma[rows]
+        rows = np.flatnonzero(visible)
+        if len(rows) == 0:
+            return
+        sigma = positions.sigmas(rows, offset.covariance)
+        is_sure = sigma <= SURE_M
+        rows, sigma = rows[is_sure], sigma[is_sure]
+        spots = seen.u[rows], seen.v[rows], seen.depth_m[rows], sigma
         hidden, through = self._depths(scene, *spots)
         away_m = spots[2].tolist()
         for k, row in enumerate(rows.tolist()):

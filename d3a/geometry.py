@@ -71,7 +71,8 @@ def pose_covariance(pose: Pose, parameters: Parameters) -> Floats:
     """Return the (3, 3) covariance of the camera's place, which all things in a frame share."""
     if pose.covariance is None:
         return np.eye(3) * parameters.pose_sigma_m**2
-    return np.reshape(pose.covariance, (6, 6))[:3, :3].copy()
+    c = pose.covariance
+    return np.array((c[0:3], c[6:9], c[12:15]))
 
 
 def heading_covariance(pose: Pose, position: Floats) -> Floats:

@@ -69,6 +69,11 @@ class Positions:
         """(3, k): the spread along x, y and z alone."""
         return self._columns[_DIAGONAL, : len(self.owners)]
 
+    def sigmas(self, rows: NDArray[np.intp], shared: Floats) -> Floats:
+        """Return the mean error (k,) of some rows (k,), with what all share, (3, 3)."""
+        variance = self._columns[_DIAGONAL[:, None], rows].sum(axis=0)
+        return np.asarray(np.sqrt((variance + np.trace(shared)) / 3))
+
     @property
     def raw(self) -> Floats:
         """(k, 3): the same without alignment: unbiased where drift is, and what is reported."""
