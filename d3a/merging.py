@@ -39,67 +39,79 @@ class Evidence:
     neighbours: Neighbours
     parameters: Parameters
 
-    def near(self, missed: list[Known], found: list[Known]) -> list[tuple[Known, list[Known]]]:
-        """Return what was missed with those of the found things that are within its gate.
+    def likely(self, missed: list[Known], found: list[Known]) -> list[tuple[Known, list[Known]]]:
+        """Return what was missed with the found things that it likely is, the likeliest first.
 
-        Things with names, several places or no position are left alone; so is what has none near,
-        and what was seen beside the other.
+        By all but time, as the look has left them. Things with names, several places or no position
+        are left alone, and so is what was seen beside the other.
         """
+        likely: dict[int, tuple[Known, list[tuple[float, int, Known]]]] = {}
+        for odds, (one, other) in self._odds(self._near(missed, found)):
+            if odds >= self.parameters.merge_odds:
+                likely.setdefault(one.number, (one, []))[1].append((-odds, other.number, other))
+        return [(one, [other for *_, other in sorted(each)]) for one, each in likely.values()]
+
+    def _near(self, missed: list[Known], found: list[Known]) -> list[tuple[Known, Known]]:
+        """Return the pairs that may be within each other's gate, and were never seen together."""
         ones, others = ([t for t in each if _is_simple(t)] for each in (missed, found))
         if not ones or not others:
             return []
-        away, spread = self._apart(ones, others)
-        gate = self.parameters.gate_sigmas**2
-        # no pair within the gate is outside of this
-        i, j = np.nonzero(np.logical_and.reduce(away**2 <= gate * spread[VARIANCES], axis=0))
-        if len(i) == 0:
-            return []
-        squared, _ = likelihood.squared_distances(away[:, i, j], spread[:, i, j])
-        near: dict[int, list[Known]] = {}
-        for k in np.flatnonzero(squared <= gate).tolist():
-            one, other = ones[i[k]], others[j[k]]
-            if other is not one and other.number not in one.met:
-                near.setdefault(int(i[k]), []).append(other)
-        return [(ones[k], each) for k, each in near.items()]
-
-    def _apart(self, ones: list[Known], others: list[Known]) -> tuple[Floats, Floats]:
-        """Return (3, n, m) how far apart things at one place each are, and (6, n, m) how surely."""
         columns = self.memory.positions.columns
         a, b = (columns[:, [t.places[0].row for t in each]] for each in (ones, others))
-        return a[:3, :, None] - b[:3, None], a[3:, :, None] + b[3:, None]
+        reach = a[VARIANCES + 3, :, None] + b[VARIANCES + 3, None]
+        reach *= self.parameters.gate_sigmas**2
+        # no pair within the gate is outside of this
+        is_near = np.logical_and.reduce((a[:3, :, None] - b[:3, None]) ** 2 <= reach, axis=0)
+        return [
+            (ones[i], others[j])
+            for i, j in zip(*(each.tolist() for each in is_near.nonzero()), strict=True)
+            if others[j].number not in ones[i].met and others[j] is not ones[i]
+        ]
 
-    def odds(self, thing: Known, others: list[Known]) -> list[float]:
-        """Return the log-odds that a thing is each of some others, by all but time.
+    def _odds(self, pairs: list[tuple[Known, Known]]) -> list[tuple[float, tuple[Known, Known]]]:
+        """Return the log-odds that pairs are one, of those where a look may say so."""
+        if not pairs:
+            return []
+        agreed, differing, squared = self._told(pairs)
+        most = np.logaddexp(agreed, differing) + self.parameters.look_most
+        is_open = most >= self.parameters.merge_odds
+        at = (is_open & (squared <= self.parameters.gate_sigmas**2)).nonzero()[0]
+        if len(at) == 0:
+            return []
+        pairs = [pairs[k] for k in at.tolist()]
+        same, beside = self._looks_told(pairs)
+        odds: list[float] = np.logaddexp(agreed[at] + same, differing[at] + beside).tolist()
+        return list(zip(odds, pairs, strict=True))
 
-        All are at one place each.
+    def _told(self, pairs: list[tuple[Known, Known]]) -> tuple[Floats, Floats, Floats]:
+        """Return what category and place say of pairs, (k,), and how far apart they are, squared.
+
+        All are at one place each. First if the names agree, then if one of them is wrong.
         """
-        away, spread = (each[:, 0] for each in self._apart([thing], others))
-        squared, determinant = likelihood.squared_distances(away, spread)
-        name = (thing.category, thing.weight / thing.seen)
-        parts = self.categories.evidence([name], [other.shares for other in others])
-        agreed, differing = (part[0] for part in parts)
+        columns = self.memory.positions.columns
+        a, b = (columns[:, [pair[k].places[0].row for pair in pairs]] for k in (0, 1))
+        away = a[:3] - b[:3]
+        squared, determinant = likelihood.squared_distances(away, a[3:] + b[3:])
         beside_m3 = self.neighbours.space_m3((away**2).sum(axis=0))
         spaces = (self.parameters.space_m3, beside_m3)
         place, beside = likelihood.position_ratios(squared, determinant, spaces, self.parameters)
-        agreed, differing = agreed + place, differing + beside
-        if thing.look_weight > 0 and any(other.look_weight > 0 for other in others):
-            looks, weights = self.memory.looks, np.array([other.look_weight for other in others])
-            likeness = looks.units(others, self.space) @ looks.units([thing], self.space)[0]
-            views = np.minimum(weights, thing.look_weight)
-            same = self.looks.against(likeness.astype(np.float64), views, (OTHER, BESIDE))[:, 0]
-            same[:, weights == 0] = 0.0
-            agreed, differing = agreed + same[0], differing + same[1]
-        odds: list[float] = np.logaddexp(agreed, differing).tolist()
-        return odds
+        ones, others = ({pair[k].number: pair[k] for pair in pairs} for k in (0, 1))
+        names = [(one.category, one.weight / one.seen) for one in ones.values()]
+        evidence = self.categories.evidence(names, [other.shares for other in others.values()])
+        row = {number: k for k, number in enumerate(ones)}
+        column = {number: k for k, number in enumerate(others)}
+        at = [row[one.number] for one, _ in pairs], [column[other.number] for _, other in pairs]
+        return evidence[0][at] + place, evidence[1][at] + beside, squared
 
-
-def likely_same(missed: Known, near: list[Known], evidence: Evidence) -> list[Known]:
-    """Return which of the found things near a missed one it may be, the likeliest first."""
-    if not near:
-        return []
-    scored = zip(evidence.odds(missed, near), near, strict=True)
-    likely = [each for each in scored if each[0] >= evidence.parameters.merge_odds]
-    return [thing for _, thing in sorted(likely, key=lambda each: (-each[0], each[1].number))]
+    def _looks_told(self, pairs: list[tuple[Known, Known]]) -> Floats:
+        """Return what the looks of pairs say, (2, k): against another of a kind, and one beside."""
+        views = np.array([min(one.look_weight, other.look_weight) for one, other in pairs])
+        if not views.any():
+            return np.zeros((2, len(pairs)))
+        units = self.memory.looks.units([thing for pair in pairs for thing in pair], self.space)
+        likeness = np.einsum("kd,kd->k", units[::2], units[1::2], dtype=np.float64)
+        told = self.looks.against(likeness[None], views, (OTHER, BESIDE))[:, 0]
+        return np.where(views > 0, told, 0.0)
 
 
 def never_together(thing: Known, others: list[Known], ledger: Ledger) -> Known | None:

@@ -23,7 +23,7 @@ from d3a.ledger import Ledger
 from d3a.likelihood import CategoryModel
 from d3a.matching import Matcher
 from d3a.memory import Memory
-from d3a.merging import Evidence, likely_same, merge, never_together
+from d3a.merging import Evidence, merge, never_together
 from d3a.model import Json
 from d3a.moves import Moves, apply_link
 from d3a.observed import Observed
@@ -192,13 +192,12 @@ class TrackerPipeline:
             matcher.neighbours,
             self._parameters,
         )
-        for thing, near in evidence.near(missed, found):
-            if thing.row < 0:  # one of the found ones was it
+        for thing, each in evidence.likely(missed, found):
+            likely = [other for other in each if other.row >= 0]
+            if thing.row < 0 or not likely:  # one of the found ones was it
                 continue
-            likely = likely_same(thing, [each for each in near if each.row >= 0], evidence)
-            if likely:
-                self.write()
-            same = never_together(thing, likely, self._ledger) if likely else None
+            self.write()
+            same = never_together(thing, likely, self._ledger)
             if same is not None and not self._must_stay(thing, same):
                 was, becomes = merge(thing, same, self._memory, self._ledger, self._parameters)
                 self._encounters.rename(was, becomes)
