@@ -14,7 +14,7 @@ from time import perf_counter
 from typing import TYPE_CHECKING, Literal
 
 from assistant.asking import ask, ask_query, explain, failure, refusal, store_words
-from assistant.dialogue import Seen, follow, is_about_the_same, is_beside
+from assistant.dialogue import Seen, follow, is_about_the_same, is_beside, is_of_the_listed
 from assistant.phrases import definite, noun_of, numbered, tells_nothing, term_of
 from assistant.pointing import (
     NOTHING_SHOWN,
@@ -29,6 +29,7 @@ from assistant.pointing import (
     row_words,
     same_place,
     shown,
+    term_of_row,
     told,
 )
 from assistant.session import Pointer
@@ -125,7 +126,7 @@ class Conversation:
     # questions and follow-ups
 
     def _question(self, text: str) -> Answer:
-        before, told_of = self._said, _told_of(self._said.answer)
+        before, told_of, row = self._said, _told_of(self._said.answer), self.pointer.row
         self._said = replace(before, text=text)
         if told_of is not None and _PRONOUN.search(text.lower()):
             other = told_of.otherwise
@@ -137,6 +138,8 @@ class Conversation:
         same = is_about_the_same(heard, before.last, text)
         refused = before.refused if same else ()
         meant = before.meant if same else None
+        if row is not None and is_of_the_listed(heard, before.last, _seen(row, before.last), text):
+            meant = row.object_id
         answer = self._as_meant(answer, refused, meant)
         if tells_nothing(answer):  # what stands in the list would be all that was ever seen
             answer = replace(answer, keyframes=(), count=0, truncated=False)
@@ -151,7 +154,7 @@ class Conversation:
             if looks_formal(text):
                 query = read(text, now=now)
             else:
-                facts, seen = Facts(self._store), _seen(self.pointer.row)
+                facts, seen = Facts(self._store), _seen(self.pointer.row, last)
                 words = store_words(self._store, facts)
                 query = follow(text, now=now, words=words, last=last, seen=seen)
         except QuestionError as error:
@@ -175,7 +178,7 @@ class Conversation:
         """
         query = answer.query
         assert query is not None
-        row, now, seen = self.pointer.row, self._now(), _seen(self.pointer.row)
+        row, now, seen = self.pointer.row, self._now(), _seen(self.pointer.row, query)
         if refused:
             answer = self._without(answer, refused)
         nearby: Keep | None = None
@@ -372,8 +375,8 @@ def _is_of(row: RankedKeyframe, refused: RankedKeyframe) -> bool:
     return not is_by_look(row.object_id) or same_place(row, refused)
 
 
-def _seen(row: RankedKeyframe | None) -> Seen | None:
-    return None if row is None else Seen(row.start, row.end)
+def _seen(row: RankedKeyframe | None, query: FormalQuery | None) -> Seen | None:
+    return None if row is None else Seen(row.start, row.end, term_of_row(row, query))
 
 
 def _same_row(

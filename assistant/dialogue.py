@@ -17,7 +17,7 @@ from grammar.forms import (
     Select,
     TimeSlice,
 )
-from grammar.fragments import Fragment, Relative, parse_fragment
+from grammar.fragments import Fragment, Relative, is_list, parse_fragment
 from grammar.meaning import AtPlace, Item, Related, SideBySide, form_of
 from grammar.parser import parse
 from grammar.vocabulary import lexicon
@@ -25,10 +25,14 @@ from grammar.vocabulary import lexicon
 
 @dataclass(frozen=True, slots=True)
 class Seen:
-    """When the thing spoken of was seen: `before that` ends at its start."""
+    """When the thing spoken of was seen: `before that` ends at its start.
+
+    thing: what it is called, which `it` means after a list of things.
+    """
 
     start: datetime
     end: datetime
+    thing: ObjectTerm | None = None
 
 
 def follow(
@@ -47,7 +51,8 @@ def follow(
     """
     if last is None:
         return parse(text, now=now, words=words)
-    found = parse_fragment(text, now=now, words=words, previous=last)
+    told = seen.thing if seen is not None else None
+    found = parse_fragment(text, now=now, words=words, previous=last, told=told)
     return found if isinstance(found, FormalQuery) else merge(last, found, seen)
 
 
@@ -55,10 +60,22 @@ def is_about_the_same(query: FormalQuery, last: FormalQuery | None, text: str) -
     """Whether a query goes on about the things of the last one, without naming them again."""
     if last is None or query.objects != last.objects:
         return False
+    return not any(_is_said(term, text) for term in last.objects)
+
+
+def is_of_the_listed(
+    query: FormalQuery, last: FormalQuery | None, seen: Seen | None, text: str
+) -> bool:
+    """Whether a query goes on about the thing that was told of a list, by its pronoun alone."""
+    if last is None or seen is None or seen.thing is None or not is_list(last):
+        return False
+    return query.objects[:1] == (seen.thing,) and not _is_said(seen.thing, text)
+
+
+def _is_said(term: ObjectTerm, text: str) -> bool:
+    """Whether a text names an object, in the singular or the plural."""
     said = {vocabulary.singular(word.strip(".,?!")) for word in text.lower().split()}
-    return not any(
-        term.word.split()[-1:] and term.word.split()[-1] in said for term in last.objects
-    )
+    return any(word in said for word in term.word.split()[-1:])
 
 
 def is_beside(query: FormalQuery, seen: Seen | None) -> bool:

@@ -132,7 +132,7 @@ def other_thing(
 
 def row_words(row: RankedKeyframe, query: FormalQuery | None, *, ask: str, now: datetime) -> str:
     """Return one row as a sentence, as if it alone were the answer."""
-    term = _term_of_row(row, query)
+    term = term_of_row(row, query)
     base = query or FormalQuery(row.category, "Q1", "where", (term,))
     alone = replace(
         base, ask="where", objects=(term,), relation=None, place=None, time=None,
@@ -150,7 +150,7 @@ def row_words(row: RankedKeyframe, query: FormalQuery | None, *, ask: str, now: 
     return sentence(answer, now=now)
 
 
-def _term_of_row(row: RankedKeyframe, query: FormalQuery | None) -> ObjectTerm:
+def term_of_row(row: RankedKeyframe, query: FormalQuery | None) -> ObjectTerm:
     """Return the question's own words for a row's thing where they are, else the store's."""
     kind = kind_of(row)
     if query is not None:

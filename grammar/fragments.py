@@ -12,7 +12,7 @@ from typing import Literal
 from grammar import numbers, scope
 from grammar.errors import NotUnderstood, QuestionError
 from grammar.forms import ANYTHING, Ask, Correction, FormalQuery, ObjectTerm, Select, TimeSlice
-from grammar.meaning import AtPlace, Group, Item, Meaning, Related
+from grammar.meaning import AtPlace, Group, Item, Meaning, Related, form_of
 from grammar.parser import NO_STORE, read
 from grammar.reading import Reading, Terminals
 from grammar.vocabulary import StoreWords
@@ -57,6 +57,8 @@ _ASKED_ANEW: dict[str, Ask] = {
 _UNITS = {"minute": 60, "hour": 3600, "day": 86400, "week": 604800}
 _AMOUNT_BEFORE = ("before that", "before", "earlier", "prior to that")
 _AMOUNT_AFTER = ("after that", "after", "later")
+_ALL = ("they", "them")
+_WHICH = "I cannot tell which of them you mean."
 _SAME_TIME = ("at that time", "that day", "back then", "at the time", "on that day", "then")
 
 
@@ -84,19 +86,27 @@ class Fragment:
 
 
 def parse_fragment(
-    text: str, *, now: datetime, words: StoreWords = NO_STORE, previous: FormalQuery
+    text: str,
+    *,
+    now: datetime,
+    words: StoreWords = NO_STORE,
+    previous: FormalQuery,
+    told: ObjectTerm | None = None,
 ) -> Fragment | FormalQuery:
     """Return the follow-up of `previous`: a fragment, or a query where it is a whole question.
 
-    Pronouns of a whole question mean the first object of `previous`. Raises QuestionError as
-    `parse` does.
+    Pronouns of a whole question mean the first object of `previous`. told: what the answer told
+    of, which `it` means after a list. Raises QuestionError as `parse` does.
     """
-    found, corrections = read(text, now, words, lambda r, said: _followed(r, said, previous))
+    found, corrections = read(text, now, words, lambda r, said: _followed(r, said, previous, told))
     return replace(found, corrections=corrections)
 
 
 def _followed(
-    reading: Reading, sentences: list[list[Word]], previous: FormalQuery
+    reading: Reading,
+    sentences: list[list[Word]],
+    previous: FormalQuery,
+    told: ObjectTerm | None,
 ) -> Fragment | FormalQuery:
     """Return what the sentences mean after `previous`."""
     text, it = reading.text, _spoken_of(previous)
@@ -105,7 +115,7 @@ def _followed(
         if spoken in _ASKED_ANEW:
             return Fragment(text, ask=_ASKED_ANEW[spoken])
         if spoken in ("not those", "not these", "not them", "not it", "not that", "not this"):
-            raise NotUnderstood(text, 0, "I cannot tell which of them you mean.")
+            raise NotUnderstood(text, 0, _WHICH)
     if len(sentences) != 1:
         return reading.of(sentences, it)
     said, relative, shift, same_time = _relative(sentences[0])
@@ -116,7 +126,7 @@ def _followed(
     if fragment is not None:
         fragment = _of_ground(fragment, it, previous)
         return replace(fragment, relative=relative, shift=shift)
-    whole = reading.of([said], it)
+    whole = _whole(reading, said, previous, told)
     if timed:
         return Fragment(text, relative=relative, shift=shift, query=whole)
     pronoun = whole.select == "all" and any(w.text in ("it", "they", "them") for w in said)
@@ -128,6 +138,29 @@ def _followed(
             form="Q3" if whole.form == "Q1" and previous.time else whole.form,
         )
     return whole
+
+
+def _whole(
+    reading: Reading, said: list[Word], previous: FormalQuery, told: ObjectTerm | None
+) -> FormalQuery:
+    """Read a whole question. After a list, its `it` is the thing told, and its `they` all of it.
+
+    What things were listed by keeps its pronoun: after what is on the table, the cup beside it is
+    beside the table.
+    """
+    whole = reading.of([said], _spoken_of(previous))
+    if told is None or not is_list(previous):
+        return whole
+    of_told = reading.of([said], told)
+    if of_told.objects[:1] == whole.objects[:1]:  # the pronoun, if there is one, is no figure
+        return whole
+    if all(w.text not in _ALL for w in said):
+        return replace(whole, objects=(*of_told.objects[:1], *whole.objects[1:]))
+    if whole.relation is not None or whole.place is not None:
+        raise NotUnderstood(reading.text, 0, _WHICH)
+    relation, place = previous.relation, previous.place
+    form = form_of(whole.ask, relation, whole.time, place, whole.select)
+    return replace(whole, form=form, objects=previous.objects, relation=relation, place=place)
 
 
 def _of_ground(fragment: Fragment, it: ObjectTerm | None, previous: FormalQuery) -> Fragment:
@@ -164,6 +197,11 @@ def _spoken_of(previous: FormalQuery) -> ObjectTerm | None:
     """Return what `it` means after a query: its first object that is not just any thing."""
     named = [t for t in previous.objects if t.category != ANYTHING or t.attributes]
     return next(iter(named or previous.objects), None)
+
+
+def is_list(query: FormalQuery) -> bool:
+    """Whether a query asks what there is, so that its answer names things that it did not."""
+    return bool(query.objects) and query.objects[0].category == ANYTHING
 
 
 def _led(words: list[Word]) -> list[Word]:

@@ -12,9 +12,9 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from assistant.dialogue import Seen, follow, merge
+from assistant.dialogue import Seen, follow, is_of_the_listed, merge
 from grammar import NotUnderstood, QuestionError, StoreWords, parse
-from grammar.forms import FormalQuery, Json
+from grammar.forms import FormalQuery, Json, ObjectTerm
 from grammar.fragments import Fragment, parse_fragment
 
 CORPUS = Path(__file__).parents[1] / "corpus" / "dialogues.toml"
@@ -150,3 +150,42 @@ def test_any_follow_up_is_a_query_or_a_question_error(words: list[str]) -> None:
 def test_what_names_nothing_changes_nothing(text: str) -> None:
     with pytest.raises(NotUnderstood):
         follow(text, now=NOW, words=WORDS, last=parse("where is the cup", now=NOW))
+
+
+LISTED = "what did you see on the table"
+TOLD = Seen(NOW, NOW, ObjectTerm("cup", "cup"))
+
+
+@pytest.mark.parametrize(
+    ("text", "words", "place"),
+    [
+        ("did you see it yesterday?", ["cup"], None),
+        ("is it on the chair?", ["cup", "chair"], None),
+        ("was it in the hall this morning?", ["cup"], "hall"),
+        ("did you see a bowl next to it?", ["bowl", "table"], None),
+        ("what is under it?", ["thing", "table"], None),
+        ("did you see them yesterday?", ["thing", "table"], None),
+        ("did you see the table yesterday?", ["table"], None),
+    ],
+)
+def test_after_a_list_it_is_the_thing_told(text: str, words: list[str], place: str | None) -> None:
+    last = parse(LISTED, now=NOW)
+    found = follow(text, now=NOW, words=WORDS, last=last, seen=TOLD)
+    assert [term.word for term in found.objects] == words
+    assert found.place == place
+    of_it = found.objects[0] == TOLD.thing
+    assert is_of_the_listed(found, last, TOLD, text) == of_it
+
+
+def test_all_of_a_list_is_not_asked_for_somewhere_else() -> None:
+    with pytest.raises(NotUnderstood, match="which of them"):
+        follow(
+            "were they in the hall?", now=NOW, words=WORDS, last=parse(LISTED, now=NOW), seen=TOLD
+        )
+
+
+def test_what_names_the_thing_told_goes_on_about_no_single_one() -> None:
+    last, text = parse(LISTED, now=NOW), "did you see a cup yesterday?"
+    found = follow(text, now=NOW, words=WORDS, last=last, seen=TOLD)
+    assert found.objects == (TOLD.thing,)
+    assert not is_of_the_listed(found, last, TOLD, text)
