@@ -13,6 +13,7 @@ from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 
 from assistant.forgotten_words import but_forgotten
 from assistant.lexicon import VocabularyLexicon
+from assistant.own_words import as_heard
 from assistant.reply import sentence
 from assistant.spots import of_the_spot, on_a_spot, told_as_place, without_itself
 from assistant.taught import ORDINALS
@@ -218,7 +219,9 @@ def _said(answer: Answer, query: FormalQuery, facts: Facts, now: datetime) -> An
 
     It is told of the query that was carried out, and bears the one that was asked.
     """
-    answer = without_itself(answer, query)
+    answer, query = without_itself(answer, query), as_heard(query, facts)
+    if answer.query is not None:
+        answer = replace(answer, query=as_heard(answer.query, facts))
     parts = (sentence(answer, now=now), of_the_spot(query, facts), _of_its_number(answer, query))
     said = " ".join(part for part in parts if part)
     if facts.meta(FORGOTTEN):

@@ -234,7 +234,8 @@ class Conversation:
         if pointing != AskedOf(ask_, None):
             self._said = replace(self._said, meant=row.object_id)
         self.pointer.to(row)
-        sentence = row_words(row, self._said.last, ask=ask_, now=self._now())
+        shown_for = self._said.answer.query if self._said.answer is not None else None
+        sentence = row_words(row, shown_for, ask=ask_, now=self._now())
         return self._beside_rows(text, sentence, "found")
 
     def _row(self, number: int | None) -> RankedKeyframe | None:

@@ -62,8 +62,20 @@ def described(term: ObjectTerm, unjudged: tuple[str, ...] = (), *, noun: str | N
 
 
 def definite(term: ObjectTerm, words: str) -> str:
-    """Return the words with the owner or "the": "your keys", "Anna's keys", "the cup"."""
-    return f"{whose(term.owner)} {words}" if term.owner else f"the {words}"
+    """Return the words with the owner or "the": "your keys", "Anna's keys", "the cup", "Tim"."""
+    if term.owner:
+        return f"{whose(term.owner)} {words}"
+    return words if _is_name(words) else f"the {words}"
+
+
+def _is_name(words: str) -> bool:
+    """Whether words are a name, which has no article: Excalibur, but the Bosch drill."""
+    return words[:1].isupper() and not is_kind(words)
+
+
+def is_kind(words: str) -> bool:
+    """Whether words end in what things are called in general: cup, Bosch drill."""
+    return words.rpartition(" ")[2].lower() in vocabulary.lexicon().nouns
 
 
 def whose(owner: str) -> str:
@@ -80,7 +92,7 @@ def indefinite(term: ObjectTerm, words: str, *, many: bool = False) -> str:
 
     many: they are in the plural, as they were said: "keys"; what has no singular has its pair.
     """
-    if term.owner:
+    if term.owner or _is_name(words):
         return definite(term, words)
     return words if many and not is_many(words) else article(words)
 

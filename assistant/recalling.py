@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from datetime import datetime
 
 from assistant.asking import ask_query
 from assistant.english import listed, plural
+from assistant.own_words import said_back
 from assistant.phrases import kind_of, whose
 from assistant.wording import place_words
 from d3a.answer import RankedKeyframe
@@ -15,6 +17,7 @@ from d3a.teaching import history
 from grammar import vocabulary
 from grammar.forms import FormalQuery, ObjectTerm
 
+Name = tuple[str, str | None]
 TOLD = 3
 """So many lessons are told, the newest."""
 
@@ -34,13 +37,12 @@ def _lesson(store: Store, done: Correction, now: datetime) -> str:
     said = done.arguments
     match done.kind:
         case "teach":
-            gained = [n for n in said["after"] if n not in said["before"]]
-            lost = [n for n in said["before"] if n not in said["after"]]
-            names = listed([called(word, owner) for word, owner in gained or lost])
+            gained, lost = _gained_and_lost(done)
+            names = _names(done, gained or lost)
             return f"{_is(store, said['ids'][0], now)}{'' if gained else ' not'} {names}"
         case "deny":
-            name = called(said["word"], said["owner"])
-            return f"{_is(store, said['ids'][0], now)} not {name}"
+            denied = _names(done, [(said["word"], said["owner"])])
+            return f"{_is(store, said['ids'][0], now)} not {denied}"
         case "merge":
             return f"{_is(store, said['kept'], now)} the same as another that I saw"
         case "split":
@@ -75,26 +77,39 @@ def undone_words(done: Correction) -> str:
         case "place":
             before, after = ([each["name"] for each in said[k]] for k in ("before", "after"))
             back = f"I know {listed([f'“{n}”' for n in before])} as before" if before else ""
-            gone = [f"“{name}”" for name in after if name not in before]
-            lost = f"{listed(gone)} is no place any more" if gone else ""
-            return f"I have undone that: {' and '.join(p for p in (lost, back) if p)}."
+            new = [f"“{name}”" for name in after if name not in before]
+            gone = f"{listed(new)} is no place any more" if new else ""
+            return f"I have undone that: {' and '.join(p for p in (gone, back) if p)}."
         case "teach":
-            gone_names = [n for n in said["after"] if n not in said["before"]]
-            names = [called(word, owner) for word, owner in gone_names or said["before"]]
-            how = "no longer" if gone_names else "again"
-            return f"I have undone that: I know it {how} as {listed(names)}."
+            gained, lost = _gained_and_lost(done)
+            how = "no longer" if gained else "again"
+            return f"I have undone that: I know it {how} as {_names(done, gained or lost)}."
         case "deny":
-            name = called(said["word"], said["owner"])
-            return f"I have undone that: it may be {name} again."
+            denied = _names(done, [(said["word"], said["owner"])])
+            return f"I have undone that: it may be {denied} again."
         case "look":
             return "I have undone that: I no longer know what was in the box."
         case _:
             return f"I have undone that: {done.said}."
 
 
-def called(word: str, owner: str | None) -> str:
-    """Return a taught name as it is said back: “your key”, “Anna's key”, “excalibur”."""
-    return f"“{word}”" if owner is None else f"“{whose(owner)} {word}”"
+def _gained_and_lost(done: Correction) -> tuple[list[Name], list[Name]]:
+    """Return the names, each with its owner, that a thing got by a lesson, and those it lost."""
+    before, after = (
+        [(word, owner) for word, owner in done.arguments[k]] for k in ("before", "after")
+    )
+    return [n for n in after if n not in before], [n for n in before if n not in after]
+
+
+def _names(done: Correction, names: Sequence[Name]) -> str:
+    """Return the names of a lesson as they were heard: “your keys”, “Anna's key”, “Excalibur”.
+
+    What was taught on a command line with its owner apart, as the store has it: “your key”.
+    """
+    heard = done.arguments.get("heard")
+    if heard:
+        return f"“{said_back(heard, names[0][0])}”"
+    return listed([f"“{f'{whose(owner)} ' if owner else ''}{word}”" for word, owner in names])
 
 
 def row_name(row: RankedKeyframe) -> str:

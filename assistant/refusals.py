@@ -151,6 +151,7 @@ def _unknown(answer: Answer, query: FormalQuery, term: ObjectTerm) -> str:
 
 def _refused_term(answer: Answer, query: FormalQuery) -> ObjectTerm:
     """Return the object that a no is about: the message quotes it where it is not the first."""
-    message = answer.message or ""
-    quoted = (t for t in query.objects if f"“{' '.join((*t.attributes, t.word))}”" in message)
+    message = (answer.message or "").casefold()  # a taught name may be written otherwise
+    said = {term: " ".join((*term.attributes, term.word)) for term in query.objects}
+    quoted = (term for term, words in said.items() if f"“{words.casefold()}”" in message)
     return next(quoted, term_of(query))

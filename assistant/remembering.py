@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 from datetime import datetime
 
 from assistant.english import article, counted
+from assistant.own_words import said_back
 from assistant.phrases import kind_of
 from assistant.pointing import NOTHING_SHOWN, find_row, same_place
 from assistant.recalling import recalled, row_name, undone_words
@@ -109,23 +110,28 @@ def _name(store: Store, said: Naming, scene: Scene, now: datetime) -> Learned | 
     row = scene.row(said.row)
     if row is None:
         return _no_row(said.row, scene)
-    word, owner = named(said.said, kind_of(row), now)
+    (word, owner), thing = named(said.said, kind_of(row), now), row_name(row)
+    heard = said_back(said.heard, kind_of(row))
     if said.isnt:
         known = store.objects(ids=[row.object_id], embeddings=False)
         if not any(n.word == word and owner in (None, n.owner) for r in known for n in r.names):
             return _deny(store, said, row, (word, owner), now)
-        store_teaching.forget_name(store, row.object_id, word, owner, at_ms=_ms(now))
-        return Learned(f"I no longer take {row_name(row)} for “{_heard(said.said, row)}”; {BACK}.")
+        store_teaching.forget_name(
+            store, row.object_id, word, owner, at_ms=_ms(now), heard=said.heard
+        )
+        return Learned(f"I no longer take {thing} for “{heard}”; {BACK}.")
     if not said.sure and _looks_otherwise(said.said, word, row, store):
         looks = f"That looks like {article(kind_of(row))}."
-        ask_ = f"{looks} Shall I remember it as “{_heard(said.said, row)}” all the same?"
+        ask_ = f"{looks} Shall I remember it as “{heard}” all the same?"
         which = "it" if said.row is None else f"number {row.rank}"
-        sure = f"Call {which} {said.said} all the same"
+        sure = f"Call {which} {said.heard} all the same"
         return Learned(ask_, done=False, choices=(sure,))
-    done = store_teaching.teach_name(store, row.object_id, word, owner, at_ms=_ms(now))
+    done = store_teaching.teach_name(
+        store, row.object_id, word, owner, at_ms=_ms(now), heard=said.heard
+    )
     if done.number == 0:
-        return Learned(f"I know {row_name(row)} as “{_heard(said.said, row)}” already.")
-    return Learned(f"I will remember {row_name(row)} as “{_heard(said.said, row)}”; {BACK}.")
+        return Learned(f"I know {thing} as “{heard}” already.")
+    return Learned(f"I will remember {thing} as “{heard}”; {BACK}.")
 
 
 def _deny(
@@ -135,8 +141,10 @@ def _deny(
     word, owner = name
     if owner is None:
         return None
-    done = store_teaching.deny_name(store, row.object_id, word, owner, at_ms=_ms(now))
-    heard = f"{row_name(row)} for “{_heard(said.said, row)}”"
+    done = store_teaching.deny_name(
+        store, row.object_id, word, owner, at_ms=_ms(now), heard=said.heard
+    )
+    heard = f"{row_name(row)} for “{said_back(said.heard, kind_of(row))}”"
     if done.number == 0:
         return Learned(f"I do not take {heard} already.", refused=row)
     return Learned(f"I will not take {heard} any more; {BACK}.", refused=row)
@@ -156,18 +164,6 @@ def _looks_otherwise(said: str, word: str, row: RankedKeyframe, store: Store) ->
     meant = vocabulary.canonical(noun)
     wider = {meant, *vocabulary.broader(meant)}
     return not any(wider & {kind, *vocabulary.broader(kind)} for kind in kinds)
-
-
-def _heard(said: str, row: RankedKeyframe) -> str:
-    """Return a name as the robot says it back: my keys are your keys."""
-    first, _, rest = said.partition(" ")
-    if first in ("my", "our"):
-        return f"your {rest}"
-    if said in ("mine", "ours"):
-        return f"your {kind_of(row)}"
-    if first.endswith(("'s", "s'")):
-        return f"{first.capitalize()} {rest or kind_of(row)}"
-    return rest if first in ("the", "a", "an") and rest else said
 
 
 def _box(store: Store, said: Boxing, scene: Scene) -> Learned:
@@ -196,13 +192,13 @@ def _name_in_box(
     word, owner = named(said.said, "", now)
     if not word:
         return Learned("Say what it is, too: these are my keys.", done=False)
-    done = teach_look(store, row.image, box, word, owner, at_ms=_ms(now))
+    done = teach_look(store, row.image, box, word, owner, at_ms=_ms(now), heard=said.heard)
     others = done.arguments["found"] - 1
     where = counted(others, "other picture") if others else "no other picture"
     has = "has" if others < 2 else "have"
+    name = said_back(said.heard, kind_of(row))
     return Learned(
-        f"I will know “{_heard(said.said, row)}” by the colours in the box; {where} {has} what "
-        f"looks like it; {BACK}."
+        f"I will know “{name}” by the colours in the box; {where} {has} what looks like it; {BACK}."
     )
 
 

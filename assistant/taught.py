@@ -20,13 +20,14 @@ LAST = -1
 class Naming:
     """A thing is called so: said is "my keys", "anna's", "excalibur". isnt: it is not.
 
-    sure: also where it looks like something else.
+    sure: also where it looks like something else. heard: what was said, as it was written.
     """
 
     row: Row
     said: str
     isnt: bool = False
     sure: bool = False
+    heard: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -182,7 +183,22 @@ def read_teaching(text: str) -> Teaching | None:
         return Boxing((x1, y1, x2, y2))
     if _UNDO.fullmatch(said):
         return Undoing()
-    return _same_or_not(said) or _place(said) or _surely(said)
+    taught = _same_or_not(said) or _place(said) or _surely(said)
+    if isinstance(taught, Naming):
+        return replace(taught, heard=_written(taught.said, text))
+    return taught
+
+
+def _written(name: str, text: str) -> str:
+    """Return a name as it stands in a text: with its capitals."""
+    spoken = _spaced(text)
+    at = spoken.lower().rfind(name)
+    same = len(spoken.lower()) == len(spoken)  # a few letters become two when they are made small
+    return spoken[at : at + len(name)] if at >= 0 and same else name
+
+
+def _spaced(text: str) -> str:
+    return " ".join(text.replace("\u2019", "'").split())
 
 
 def _surely(said: str) -> Teaching | None:
@@ -194,7 +210,7 @@ def _surely(said: str) -> Teaching | None:
 
 def _plain(text: str) -> str:
     """Return the sentence in small letters, without what is only polite, and in full."""
-    said = " ".join(text.lower().replace("\u2019", "'").split()).rstrip(".!, ")
+    said = _spaced(text).lower().rstrip(".!, ")
     said = _LEAD.sub("", said)
     said = _TAIL.sub("", said)
     said = _SHORT.sub(lambda m: f"{m[1]} {'are' if m[2] == 're' else 'is'}", said)

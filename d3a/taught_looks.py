@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from d3a.answer import BY_LOOK, is_by_look
+from d3a.committing import commit
 from d3a.constraints import Correction, History, look_key
 from d3a.look_search import Find, Look, Searched, search
 from d3a.model import BadInput, Box, Position
@@ -26,7 +27,6 @@ from d3a.store.base import (
     Store,
     TaughtName,
 )
-from d3a.teaching import commit
 
 SAME_PLACE_M = 1.0
 NEAR_SIGMA_M = 0.7
@@ -37,11 +37,12 @@ AT_ONCE = 16
 
 def teach_look(
     store: Store, image: str, box: Box, name: str, owner: str | None = None,
-    *, at_ms: int | None = None,
+    *, at_ms: int | None = None, heard: str | None = None,
 ) -> Correction:  # fmt: skip
     """Call what is in a box of a stored picture by a name, and find its look in the others.
 
-    image: key of a keyframe; box: pixels of the original frame. `arguments["found"]` of the result
+    image: key of a keyframe; box: pixels of the original frame. heard: as the name was said.
+    `arguments["found"]` of the result
     counts the pictures with it, `arguments["new"]` is its id. `teaching.undo` takes all of it back.
     Raises UnknownThing for a picture that is not there, BadInput for a box without a look of its
     own, StoreError.
@@ -61,6 +62,7 @@ def teach_look(
         said = f"{new.object_id}, shown by a box, is {whose or 'the '}{word}"
         key = look_key(number)
         arguments = {"ids": [new.object_id], "new": new.object_id, "found": len(finds), "look": key}
+        arguments["heard"] = heard
         correction = Correction(number, "look", said, at_ms, arguments)
         meta = {key: {**look.to_json(), "searched": searched}}
         fields = {"objects": [new], "stays": stays, "sightings": sightings, "meta": meta}

@@ -10,18 +10,18 @@ the next question uses it. Ingests keep it (`constraints`). `undo` takes back th
     >>> undo(store).said
     'o31 is the same thing as o12'
 
-All raise BadInput (UnknownThing for what is not there) and StoreError. at_ms: when said, UTC ms.
+All raise BadInput (UnknownThing for what is not there) and StoreError. at_ms: when it was said, UTC
+milliseconds, for the history.
 """
 
 from __future__ import annotations
 
 import difflib
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace as with_changes
-from typing import Any
 
+from d3a.committing import Made, apply_change, checked_name, commit, unknown_object
 from d3a.constraints import (
-    SAID,
     Correction,
     History,
     history_meta,
@@ -38,6 +38,7 @@ from d3a.corrections import (
 )
 from d3a.match import squash
 from d3a.model import BadInput, Json
+from d3a.naming import deny_name, forget_name, teach_name
 from d3a.portion import Portion, difference
 from d3a.rooms import (
     Corner,
@@ -48,96 +49,15 @@ from d3a.rooms import (
 )
 from d3a.store.base import (
     Batch,
-    ObjectRecord,
     Region,
     Store,
-    TaughtName,
 )
 from d3a.two_things import measured_looks
-
-_Made = tuple[Correction, dict[str, Any]]
 
 
 def history(store: Store) -> tuple[Correction, ...]:
     """Return what people said that holds, oldest first; the last one is undone next."""
     return History.read(store).entries
-
-
-def teach_name(
-    store: Store, object_id: str, name: str, owner: str | None = None, *, at_ms: int | None = None
-) -> Correction:
-    """Call an object by a name: `teach_name(store, "o12", "key", "anna")`.
-
-    name: singular, as formal queries have it (`objects[].word`). owner: "me" for the person who
-    asks, a name, None for nobody's. Further names are added. A name that it has already changes
-    nothing: the correction's number is 0.
-    """
-    taught = TaughtName(_name(name), _name(owner) if owner else None)
-
-    def make(number: int) -> _Made:
-        record = _object(store, object_id)
-        said = f"{object_id} is {_called(taught)}"
-        if taught in record.names:
-            return _named(0, said, record, record.names, at_ms)
-        return _named(number, said, record, (*record.names, taught), at_ms)
-
-    return commit(store, make)
-
-
-def forget_name(
-    store: Store, object_id: str, name: str, owner: str | None = None, *, at_ms: int | None = None
-) -> Correction:
-    """Take a taught name back; owner None: whoever's. No question for the owner's means it then."""
-    word = squash(_name(name))
-    whose = _name(owner) if owner else None
-
-    def make(number: int) -> _Made:
-        record = _object(store, object_id)
-        kept = tuple(
-            n for n in record.names if squash(n.word) != word or whose not in (None, n.owner)
-        )
-        if kept == record.names:
-            known = tuple(_called(n) for n in record.names)
-            has = f"it is {', '.join(known)}" if known else "it has no name"
-            raise UnknownThing(f"{object_id} is not called {name!r}; {has}", known[:3])
-        return _named(number, f"{object_id} is not {name}", record, kept, at_ms)
-
-    return commit(store, make)
-
-
-def deny_name(
-    store: Store, object_id: str, name: str, owner: str, *, at_ms: int | None = None
-) -> Correction:
-    """Say that an object is not somebody's: no question for "my keys" means it any more.
-
-    `teach_name` of it is newer then, and holds. Denied already: the number is 0.
-    """
-    word, whose = _name(name), _name(owner)
-
-    def make(number: int) -> _Made:
-        _object(store, object_id)
-        number = 0 if (object_id, word, whose) in History.read(store).denials() else number
-        arguments: Json = {"ids": [object_id], "word": word, "owner": whose}
-        said = f"{object_id} is not {_called(TaughtName(word, whose))}"
-        return Correction(number, "deny", said, at_ms, arguments), {}
-
-    return commit(store, make)
-
-
-def _named(
-    number: int,
-    said: str,
-    record: ObjectRecord,
-    names: tuple[TaughtName, ...],
-    at_ms: int | None,
-) -> _Made:
-    arguments: Json = {
-        "ids": [record.object_id],
-        "before": [[n.word, n.owner] for n in record.names],
-        "after": [[n.word, n.owner] for n in names],
-    }
-    correction = Correction(number, "teach", said, at_ms, arguments)
-    return correction, {"objects": [with_changes(record, names=names)]}
 
 
 def merge(
@@ -149,7 +69,7 @@ def merge(
     ingest neither takes them apart again nor makes either part of another thing.
     """
 
-    def make(number: int) -> _Made:
+    def make(number: int) -> Made:
         portion = Portion.read(store, [kept, gone])
         _known(store, portion, kept, gone)
         said = f"{gone} is the same thing as {kept}"
@@ -168,7 +88,7 @@ def split(store: Store, object_id: str, place: int, *, at_ms: int | None = None)
     The new id is `arguments["new"]` of the result. A later ingest does not make them one again.
     """
 
-    def make(number: int) -> _Made:
+    def make(number: int) -> Made:
         portion = Portion.read(store, [object_id])
         _known(store, portion, object_id)
         new_id = f"s{number}"
@@ -204,8 +124,8 @@ def name_place(
     if polygon is not None and around is not None:
         raise BadInput("a place is a polygon or a circle around a point, not both")
 
-    def make(number: int) -> _Made:
-        said_name = _name(name)
+    def make(number: int) -> Made:
+        said_name = checked_name(name)
         old = [r for r in store.regions() if squash(r.name) == squash(said_name)]
         if old and not replace:
             raise BadInput(f"there is a place {old[0].name!r} already: replace it, or remove it")
@@ -219,7 +139,7 @@ def name_place(
 def remove_place(store: Store, name: str, *, at_ms: int | None = None) -> Correction:
     """Take a named place away; the next recording does not bring it back."""
 
-    def make(number: int) -> _Made:
+    def make(number: int) -> Made:
         old = _region(store, name)
         return _placed(number, f"{old.name} is no place any more", [old], [], at_ms)
 
@@ -229,8 +149,8 @@ def remove_place(store: Store, name: str, *, at_ms: int | None = None) -> Correc
 def rename_place(store: Store, name: str, new: str, *, at_ms: int | None = None) -> Correction:
     """Call a named place otherwise."""
 
-    def make(number: int) -> _Made:
-        old, called = _region(store, name), _name(new)
+    def make(number: int) -> Made:
+        old, called = _region(store, name), checked_name(new)
         taken = [r.name for r in store.regions() if r.name != old.name]
         if squash(called) in map(squash, taken):
             raise BadInput(f"there is a place {called!r} already")
@@ -243,7 +163,7 @@ def rename_place(store: Store, name: str, new: str, *, at_ms: int | None = None)
 def put_map(store: Store, record: Json, said: str, *, at_ms: int | None = None) -> Correction:
     """Keep a map of the home (see `floor_map`) in the place of the one before."""
 
-    def make(number: int) -> _Made:
+    def make(number: int) -> Made:
         key = f"map:{number}"
         arguments: Json = {"ids": [], "before": store.meta("map"), "after": key}
         return Correction(number, "map", said, at_ms, arguments), {
@@ -255,7 +175,7 @@ def put_map(store: Store, record: Json, said: str, *, at_ms: int | None = None) 
 
 def _placed(
     number: int, said: str, old: list[Region], new: list[Region], at_ms: int | None
-) -> _Made:
+) -> Made:
     arguments: Json = {
         "ids": [],
         "before": [region_json(each) for each in old],
@@ -293,67 +213,14 @@ def undo(store: Store) -> Correction:
             meta |= removed(correction)
         return Batch(**fields, meta=meta | history_meta(kept))
 
-    _apply(store, make)
+    apply_change(store, make)
     return last[0]
-
-
-def commit(store: Store, make: Callable[[int], _Made]) -> Correction:
-    """Write a correction and what it changes in one batch; `make` gets its number."""
-    made: list[Correction] = []
-
-    def batch(past: History) -> Batch | None:
-        correction, fields = make(past.serial + 1)
-        kept, parts = packed(correction)
-        made[:] = [kept]
-        if correction.number == 0:
-            return None
-        fresh = with_changes(past, serial=kept.number, entries=(*past.entries, kept))
-        meta = {**fields.pop("meta", {}), **parts, **history_meta(fresh)}
-        return Batch(**fields, meta=meta)
-
-    _apply(store, batch)
-    return made[0]
-
-
-def _apply(store: Store, make: Callable[[History], Batch | None]) -> None:
-    """Apply what `make` reads and makes; nobody writes in between."""
-    with store.turn():
-        batch = make(History.read(store))
-        if batch is not None:
-            meta = {**batch.meta, SAID: (store.meta(SAID) or 0) + 1}
-            store.apply(with_changes(batch, meta=meta))
-
-
-def _object(store: Store, object_id: str) -> ObjectRecord:
-    found = store.objects(ids=[object_id])
-    if not found:
-        raise unknown_object(store, object_id)
-    if found[0].volatile:
-        raise BadInput(
-            f"{object_id} is still being put together by an ingest; name it when that is done"
-        )
-    return found[0]
 
 
 def _known(store: Store, portion: Portion, *ids: str) -> None:
     for object_id in ids:
         if object_id not in portion.objects:
             raise unknown_object(store, object_id)
-
-
-def unknown_object(store: Store, said: str) -> UnknownThing:
-    """Return the error for an id that no object has: the nearest ids, or those it is a word for."""
-    records = store.objects(embeddings=False)
-    word = squash(said)
-    meant = [
-        r.object_id
-        for r in sorted(records, key=lambda r: (-r.weight, r.object_id))
-        if word in {squash(r.category), *(squash(n.word) for n in r.names)}
-    ]
-    ids = [r.object_id for r in records]
-    near = tuple((meant or difflib.get_close_matches(said, ids, n=3, cutoff=0.0))[:3])
-    hint = f" The nearest are {', '.join(near)}." if near else " The store has no objects."
-    return UnknownThing(f"There is no object {said!r}.{hint}", near)
 
 
 def _region(store: Store, name: str) -> Region:
@@ -365,20 +232,6 @@ def _region(store: Store, name: str) -> Region:
         hint = f" There are {', '.join(near)}." if near else " No place has a name yet."
         raise UnknownThing(f"There is no place {name!r}.{hint}", near)
     return found
-
-
-def _name(text: str) -> str:
-    words = " ".join(text.split()).lower()
-    if not squash(words):
-        raise BadInput(f"{text!r} is no name: it needs a letter or a digit")
-    return words
-
-
-def _called(name: TaughtName) -> str:
-    if name.owner is None:
-        return f"the {name.word}"
-    owner = {"me": "my", "you": "your"}.get(name.owner, f"{name.owner.title()}'s")
-    return f"{owner} {name.word}"
 
 
 __all__ = [

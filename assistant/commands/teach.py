@@ -36,6 +36,7 @@ def command(
         word, said_owner = told_name(name, now_of(settings, store))
         whose = told_owner(owner) or said_owner
         change = forget_name if remove else teach_name
-        return change(store, object_id, word, whose, at_ms=at_ms)
+        heard = name if owner is None else None
+        return change(store, object_id, word, whose, at_ms=at_ms, heard=heard)
 
     carry_out(context, act, as_json=as_json)

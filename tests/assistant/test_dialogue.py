@@ -27,10 +27,11 @@ def dialogues() -> Iterator[Any]:
     """Yield a test case for each dialogue, its title the id."""
     record = tomllib.loads(CORPUS.read_text(encoding="utf-8"))
     for dialogue in record["dialogue"]:
-        seen = dialogue.get("seen_at")
+        seen_at = dialogue.get("seen_at")
+        seen = datetime.fromisoformat(seen_at) if seen_at else None
         yield pytest.param(
             dialogue["turns"],
-            Seen(*[datetime.fromisoformat(seen)] * 2) if seen else None,
+            Seen(seen, seen) if seen else None,
             id=dialogue["title"],
         )
 
