@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from datetime import datetime
 from typing import TYPE_CHECKING
 
+from assistant.taught import is_lesson
 from d3a.answer import Answer, RankedKeyframe
 from d3a.store.base import StoreError
 from grammar.errors import QuestionError
@@ -42,7 +43,8 @@ class Session:
     ask: a question's answer, after what was said before. alone: the same by itself, None where
     that is all one. explain: formal query, plan and native queries of an answer, as text.
     now: the moment to ask at, in the home's zone: a function, as a chat lasts. title: of the home.
-    pointer: what "these" means, when something is taught.
+    teaches: whether a saying is to be done even where nobody waits for its answer. pointer: what
+    "these" means, when something is taught.
     """
 
     store: Store = field(repr=False)
@@ -52,6 +54,7 @@ class Session:
     title: str = "home"
     suggestions: tuple[str, ...] = ()
     alone: Ask | None = None
+    teaches: Callable[[str], bool] = is_lesson
     pointer: Pointer = field(default_factory=Pointer)
 
     def safely(self, text: str, *, alone: bool = False) -> Answer:

@@ -189,6 +189,12 @@ def read_teaching(text: str) -> Teaching | None:
     return taught
 
 
+def is_lesson(text: str) -> bool:
+    """Whether a saying changes what is known, or begins to: not one that asks what was taught."""
+    taught = read_teaching(text)
+    return taught is not None and not isinstance(taught, Recalling)
+
+
 def _written(name: str, text: str) -> str:
     """Return a name as it stands in a text: with its capitals."""
     spoken = _spaced(text)

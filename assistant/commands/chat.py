@@ -62,6 +62,7 @@ def session_of(
         store=store,
         ask=talk.ask,
         alone=talk.alone,
+        teaches=talk.teaches,
         explain=talk.explain,
         pointer=talk.pointer,
         now=now,

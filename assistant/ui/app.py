@@ -9,7 +9,7 @@ from __future__ import annotations
 import os
 import threading
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import ClassVar
@@ -22,14 +22,13 @@ from textual.screen import Screen
 from textual.widgets import Input
 
 from assistant.protocols import Kind
-from assistant.session import Session, known_words, questions_for, told
+from assistant.session import Session, told
 from assistant.slashes import BOX_USAGE, COMMANDS, bare, unknown
 from assistant.speaking import Voice
 from assistant.terminal import clean
-from assistant.ui.chat import ChatScreen, World
+from assistant.ui.chat import ChatScreen
 from assistant.ui.clipboard import copied_here, takes_osc_52
 from assistant.ui.commands import HIGH_CONTRAST
-from assistant.ui.floor import read_floor
 from assistant.ui.history import History
 from assistant.ui.keys import APP_KEYS, keys_said
 from assistant.ui.lists import KeyframeList, QuestionList
@@ -37,6 +36,8 @@ from assistant.ui.palette import Palette
 from assistant.ui.picture import Shot
 from assistant.ui.save import save_answer, save_text
 from assistant.ui.sheets import HELP, FloorSheet, LargeSheet, PictureSheet, Sheet, why_text
+from assistant.ui.waiting import Saying, WaitingLine
+from assistant.ui.world import News, World, read_news, survey
 from assistant.wording import keyframe_row
 from d3a.answer import Answer, RankedKeyframe
 from d3a.model import D3AError
@@ -64,7 +65,7 @@ class ChatApp(App[None], inherit_bindings=False):
 
         number: int
         answer: Answer
-        newest_ms: int | None
+        news: News
         pointed: RankedKeyframe | None
 
     @dataclass
@@ -107,6 +108,7 @@ class ChatApp(App[None], inherit_bindings=False):
         self._store_lane = threading.Lock()  # a store's connection serves one thread at a time
         self._asked = 0
         self._waiting = False
+        self._line = WaitingLine(session.teaches)
         self._answer: Answer | None = None
         self._chosen: RankedKeyframe | None = None
         self._world = World()
@@ -128,19 +130,8 @@ class ChatApp(App[None], inherit_bindings=False):
 
     @work(thread=True, group="survey")
     def _survey(self) -> None:
-        store = self._session.store
-        try:
-            with self._store_lane:
-                world = World(
-                    floor=read_floor(store),
-                    words=known_words(store),
-                    questions=questions_for(self._session),
-                    newest_ms=store.last_view_ms(),
-                )
-        except D3AError as error:
-            world = World(problem=str(error))
-        except Exception as error:  # a chat outlives a defect, and shows it
-            world = World(problem=f"{type(error).__name__}: {error}")
+        with self._store_lane:
+            world = survey(self._session)
         self.post_message(self.Surveyed(world))
         with self._store_lane:  # the first question builds the grammar: 0.1 s to wait for
             self._session.safely("where is it?", alone=True)
@@ -159,42 +150,39 @@ class ChatApp(App[None], inherit_bindings=False):
             self._history.add(text)
         self.chat.show_earlier(self._history.questions)
         self.set_timer(LOOKING_S, lambda: self._say_looking(number, text))
-        self._ask_in_thread(number, text, self._chosen)
+        self._line.add(Saying(number, text, self._chosen))
+        self._answer_next()
 
     def _say_looking(self, number: int, text: str) -> None:
         if self._waiting and number == self._asked:
             self.chat.show_looking(text)
 
     @work(thread=True, group="ask")
-    def _ask_in_thread(self, number: int, text: str, chosen: RankedKeyframe | None) -> None:
+    def _answer_next(self) -> None:
+        """Answer what has waited longest: each saying starts one of these threads."""
         with self._store_lane:
-            if number != self._asked:  # a newer question waits behind this one
+            said = self._line.take(self._asked)
+            if said is None:  # a newer question waits behind this one
                 return
             pointer = self._session.pointer
-            if chosen is not None:
-                pointer.to(chosen)
-            answer = self._session.safely(text)
-            newest_ms = None if answer.status == "error" else self._newest()
+            if said.chosen is not None:
+                pointer.to(said.chosen)
+            answer = self._session.safely(said.text)
+            failed = answer.status == "error"
+            news = News() if failed else read_news(self._session.store, self._world)
             pointed = pointer.row
-        self.post_message(self.Answered(number, answer, newest_ms, pointed))
-
-    def _newest(self) -> int | None:
-        try:
-            return self._session.store.last_view_ms()
-        except D3AError:  # the answer is there already; the header keeps the older time
-            return None
+        self.post_message(self.Answered(said.number, answer, news, pointed))
 
     def on_chat_app_answered(self, message: Answered) -> None:
         """Show an answer; one that comes late goes to what was said earlier."""
+        self._world = self._world.after(message.news)
         if message.number != self._asked:
-            self.chat.show_late(message.answer)
+            self.chat.show_late(message.answer, self._world)
             if message.answer.query is None:  # no question: something was done
                 self.notify(clean(told(message.answer)[0]), markup=False)
             return
         self._waiting = False
         self._answer, self._chosen = message.answer, None
-        newest_ms = message.newest_ms or self._world.newest_ms
-        self._world = replace(self._world, newest_ms=newest_ms)
         self.chat.show_answer(message.answer, self._world, message.pointed)
 
     def on_keyframe_list_chosen(self, message: KeyframeList.Chosen) -> None:

@@ -21,7 +21,6 @@ from assistant.pointing import shown
 from assistant.protocols import Kind
 from assistant.session import Session
 from assistant.terminal import clean, width_of
-from assistant.ui.floor import Floor
 from assistant.ui.footer import KeyLine
 from assistant.ui.keys import SCREEN_KEYS
 from assistant.ui.lists import KeyframeList, QuestionList
@@ -29,22 +28,11 @@ from assistant.ui.panels import FloorView, Timeline, exchange
 from assistant.ui.picture import PictureView, Shot, caption
 from assistant.ui.prompt import Prompt
 from assistant.ui.sheets import Sheet
+from assistant.ui.world import World
 from assistant.wording import from_ms, short_time
 from d3a.answer import Answer, RankedKeyframe
 
 EXCHANGES_KEPT = 50
-EMPTY_FLOOR = Floor()
-
-
-@dataclass(frozen=True, slots=True)
-class World:
-    """What the chat knows of the store before a question: for the header, help and the map."""
-
-    floor: Floor = EMPTY_FLOOR
-    words: tuple[str, ...] = ()
-    questions: tuple[str, ...] = ()
-    newest_ms: int | None = None
-    problem: str | None = None
 
 
 def welcome(world: World) -> Text:
@@ -206,13 +194,16 @@ class ChatScreen(Screen[None]):
         """Take in what the store holds; talking: a question was asked already."""
         if self._is_left:
             return
+        self._take_in(world)
+        if not talking:
+            self._say(welcome(world))
+            self.query_one(QuestionList).show_questions(world.questions)
+
+    def _take_in(self, world: World) -> None:
         self._world = world
         self._show_header()
         self.query_one(Prompt).known.words = world.words
         self.query_one(FloorView).floor = world.floor
-        if not talking:
-            self._say(welcome(world))
-            self.query_one(QuestionList).show_questions(world.questions)
 
     def show_earlier(self, questions: Sequence[str]) -> None:
         """Let the question line offer these, the newest first."""
@@ -248,7 +239,7 @@ class ChatScreen(Screen[None]):
             return
         if self._shown is not None:
             self._remember(self._shown)
-        self._shown, self._world = answer, world
+        self._shown = answer
         self._asked_at = now = self._session.now()
         rows = shown(answer)
         self.remove_class("-idle").add_class("-answered")
@@ -261,14 +252,15 @@ class ChatScreen(Screen[None]):
         self.query_one(FloorView).keyframes = rows
         timeline = self.query_one(Timeline)
         timeline.now, timeline.keyframes = now, rows
-        self._show_header()
+        self._take_in(world)
         if not rows:
             self.show_shot(None)
 
-    def show_late(self, answer: Answer) -> None:
+    def show_late(self, answer: Answer, world: World) -> None:
         """Keep an answer that came after something newer was said."""
         if not self._is_left:
             self._remember(answer)
+            self._take_in(world)
 
     def _remember(self, answer: Answer) -> None:
         self._earlier = [exchange(answer), *self._earlier][:EXCHANGES_KEPT]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import threading
 
 import pytest
@@ -11,6 +12,7 @@ from assistant.conversation import Conversation
 from assistant.session import Session, told
 from assistant.slashes import COMMANDS
 from assistant.ui.lists import KeyframeList, QuestionList
+from assistant.ui.panels import FloorView
 from d3a.answer import Answer
 from d3a.store.base import Batch, RecordingRecord, StoreUnreachable, TaughtName
 from tests.worlds import small_home
@@ -210,3 +212,105 @@ def test_what_is_offered_is_said_once() -> None:
     assert told(Answer(answer="I never saw one.")) == ("I never saw one.", "")
     failed = Answer(status="error", answer="I cannot.", message="no server", suggestions=("x",))
     assert told(failed) == ("I cannot.", "no server")
+
+
+class Held:
+    """A conversation whose slow question waits until it is released."""
+
+    def __init__(self, store: OracleStore) -> None:
+        self.talk = Conversation(store, lambda: small_home.NOW)
+        self.release = threading.Event()
+        self.asked: list[str] = []
+        self.session = small_home.session(
+            store, self.ask, alone=self.talk.alone, explain=self.talk.explain,
+            pointer=self.talk.pointer, teaches=self.talk.teaches,
+        )  # fmt: skip
+
+    def ask(self, text: str) -> Answer:
+        self.asked.append(text)
+        if "chair" in text:
+            self.release.wait(5)
+        return self.talk.ask(text)
+
+
+async def test_what_was_taught_is_kept_though_something_newer_was_asked() -> None:
+    store = filled()
+    held = Held(store)
+    async with chat(held.session) as c:
+        await c.ask("where is the bowl?")
+        bowl = c.app.chat.keyframes[0].object_id
+        await c.type("where is the chair?")
+        await c.until(lambda: "Looking" in c.said())
+        await c.type("call it Excalibur")
+        await c.type("where is the cup?")
+        await c.type("where are my keys?")
+        held.release.set()
+        await c.until(lambda: "You: where are my keys?" in c.said())
+        assert [n.word for n in names(store, bowl)] == ["excalibur"]
+        assert "as “Excalibur”" in c.app.chat.earlier
+        assert any("as “Excalibur”" in notice.message for notice in c.app._notifications)
+        asked = ["where is the bowl?", "where is the chair?", "call it Excalibur"]
+        assert held.asked == [*asked, "where are my keys?"]  # the cup was overtaken
+
+
+async def test_a_question_is_answered_that_something_is_taught_about() -> None:
+    store = filled()
+    held = Held(store)
+    async with chat(held.session) as c:
+        await c.type("where is the chair?")
+        await c.until(lambda: "Looking" in c.said())
+        await c.type("where is the bowl?")
+        await c.type("call it Excalibur")
+        held.release.set()
+        await c.until(lambda: "as “Excalibur”" in c.said())
+        named = [o for o in store.objects() if [n.word for n in o.names] == ["excalibur"]]
+        assert [each.category for each in named] == ["bowl"]
+
+
+async def test_a_choice_that_teaches_is_kept_too() -> None:
+    store = filled()
+    held = Held(store)
+    async with chat(held.session) as c:
+        await c.ask("where is the bowl?")
+        bowl = c.app.chat.keyframes[0].object_id
+        await c.type("these are my keys")
+        await c.until(lambda: "all the same?" in c.said())
+        assert held.session.teaches("yes")
+        assert not held.session.teaches("what did I teach you?")
+        assert not held.session.teaches("where are my keys?")
+        await c.type("yes")
+        await c.until(lambda: "as “your keys”" in c.said())
+        assert [n.word for n in names(store, bowl)] == ["key"]
+
+
+async def test_a_place_is_on_the_map_as_soon_as_it_is_taught() -> None:
+    store = filled()
+    async with chat(session_over(store), size=(160, 50)) as c:
+        view = c.app.chat.query_one(FloorView)
+        await c.ask("where is the bowl?")
+        assert "workbench" not in {region.name for region in view.floor.regions}
+        await c.type("call this place the workbench")
+        await c.until(lambda: "workbench" in str(view.render()))
+        assert "workbench" in c.prompt().known.words
+        await c.pilot.press("f3")
+        sheet = c.app.screen.query_one(FloorView)
+        await c.until(lambda: "workbench" in str(sheet.render()))
+        await c.pilot.press("escape")
+        await c.type("undo")
+        await c.until(lambda: "workbench" not in str(view.render()))
+        assert "workbench" not in c.prompt().known.words
+
+
+async def test_what_was_taught_is_kept_though_the_chat_was_left() -> None:
+    store = filled()
+    held = Held(store)
+    async with chat(held.session) as c:
+        await c.ask("where is the bowl?")
+        bowl = c.app.chat.keyframes[0].object_id
+        await c.type("where is the chair?")
+        await c.until(lambda: "Looking" in c.said())
+        await c.type("call it Excalibur")
+        await c.pilot.press("ctrl+q")
+    held.release.set()
+    await asyncio.get_running_loop().shutdown_default_executor()  # as a chat's own end does
+    assert [n.word for n in names(store, bowl)] == ["excalibur"]
