@@ -15,6 +15,8 @@ from grammar.words import Word
 _JOINTS = ("OR", "OR_ITEM")
 _NOUN_PHRASE = frozenset(("DET", "OWNER", "ATTR", "NOT_ATTR", "NUMBER", "NOUN", "ONE", "OWNED"))
 _LEADS = frozenset(("REL", "AT_PLACE"))
+_BEFORE = frozenset(("DET", "OWNER"))
+_UNLED = frozenset(("ATTR", "NOT_ATTR", "NOUN"))
 
 
 def as_one(queries: Sequence[FormalQuery]) -> FormalQuery | None:
@@ -36,14 +38,28 @@ def choices(
 ) -> tuple[str, ...]:
     """Return a question for each query: the text with one thing said, where each reads so.
 
+    A thing that shares the word before the first is offered with it: my cup or bowl, my bowl.
     again: reads another spelling of the text. Else plain questions that mean the queries.
     """
     parts = _parts(text, words, tags)
-    said = [f"{text[: parts[0][0]]}{text[a:b]}{text[parts[-1][1] :]}" for a, b in parts]
+    start, end = (text[: parts[0][0]], text[parts[-1][1] :]) if parts else ("", "")
+    said = [f"{start}{text[a:b]}{end}" for a, b in parts]
     shorter = len(said) == len(queries) and all(len(one) < len(text) for one in said)
     if shorter and all(map(partial(_reads_as, again=again), said, queries)):
-        return tuple(said)
+        shared = [_shared(text, tags, parts[0], part) for part in parts]
+        return tuple(f"{start}{w}{text[a:b]}{end}" for w, (a, b) in zip(shared, parts, strict=True))
     return tuple(spelled(query) for query in queries)
+
+
+def _shared(text: str, tags: Sequence[Tag], first: tuple[int, int], part: tuple[int, int]) -> str:
+    """Return the determiner or owner that a part shares with the first; "" where it does not."""
+    lead, own = (next(t for t in tags if t.word.start >= start) for start, _ in (first, part))
+    if lead.type not in _BEFORE or own.type not in _UNLED:
+        return ""
+    word = text[lead.word.start : lead.word.end]
+    if word.lower() in ("a", "an"):
+        word = "an" if text[part[0]].lower() in "aeiou" else "a"
+    return f"{word} "
 
 
 def _reads_as(said: str, query: FormalQuery, again: Callable[[str], FormalQuery]) -> bool:

@@ -37,6 +37,22 @@ NOW = datetime.fromisoformat("2020-01-01T18:00:00-05:00")
             ("what is on the table?", "what is on the chair?"),
         ),
         (
+            "Where was my cup or bowl this morning?",
+            ("Where was my cup this morning?", "Where was my bowl this morning?"),
+        ),
+        (
+            "did you see Anna's red cup, bowl or blue plate in the kitchen?",
+            (
+                "did you see Anna's red cup in the kitchen?",
+                "did you see Anna's bowl in the kitchen?",
+                "did you see Anna's blue plate in the kitchen?",
+            ),
+        ),
+        ("is my cup on the table or desk?", ("is my cup on the table?", "is my cup on the desk?")),
+        ("where is a cup or apple", ("where is a cup", "where is an apple")),
+        ("where is a bowl or the cup", ("where is a bowl", "where is the cup")),
+        ("where are two cups or bowls", ("where are two cups", "where are bowls")),
+        (
             "what is on the table or on the chair yesterday",
             ("what is on the table yesterday", "what is on the chair yesterday"),
         ),
