@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Literal
 
 from assistant.asking import ask, ask_query, explain, failure, refusal, store_words
 from assistant.dialogue import Seen, follow, is_about_the_same, is_beside, is_of_the_listed
-from assistant.phrases import definite, noun_of, numbered, tells_nothing, term_of
+from assistant.phrases import tells_nothing
 from assistant.pointing import (
     NOTHING_SHOWN,
     AskedOf,
@@ -32,8 +32,9 @@ from assistant.pointing import (
     term_of_row,
     told,
 )
+from assistant.refusals import all_refused
 from assistant.session import Pointer
-from assistant.taught import Boxing, Naming, Teaching, Undoing, read_teaching, row_of
+from assistant.taught import Boxing, Naming, Teaching, Undoing, is_lesson, read_teaching, row_of
 from d3a.answer import Answer, RankedKeyframe, Status, is_by_look
 from d3a.facts import Facts
 from d3a.store.base import Store, StoreError
@@ -195,16 +196,10 @@ class Conversation:
         return narrowed(answer, nearby, now, nothing=nothing) if nearby else answer
 
     def _without(self, answer: Answer, refused: tuple[RankedKeyframe, ...]) -> Answer:
-        words = "I saw no other that it could be."
-        if answer.query is not None:
-            term = term_of(answer.query)
-            named = definite(replace(term, owner=None), numbered(answer.query, term))
-            words = f"Those are all that I saw: nothing else could be {named}."
-            if term.owner or noun_of(term) == "thing":
-                words = "Those are all that I saw: nothing else could be it."
-        return narrowed(
-            answer, lambda k: not any(_is_of(k, row) for row in refused), self._now(), nothing=words
-        )
+        def is_left(keyframe: RankedKeyframe) -> bool:
+            return not any(_is_of(keyframe, row) for row in refused)
+
+        return narrowed(answer, is_left, self._now(), nothing=all_refused(answer))
 
     # words about the rows
 
@@ -325,6 +320,10 @@ class Conversation:
         return done
 
     # beside the conversation
+
+    def teaches(self, text: str) -> bool:
+        """Whether a saying, or the choice that it takes, changes what is known."""
+        return not looks_formal(text) and is_lesson(self._picked(text))
 
     def alone(self, text: str) -> Answer:
         """Answer a question by itself: neither after nor before another."""

@@ -68,6 +68,11 @@ def number_word(number: int) -> str:
     return _NUMBERS[number] if 0 <= number < len(_NUMBERS) else str(number)
 
 
+def all_of(number: int) -> str:
+    """Return "the only one", "both", "all three"."""
+    return ("the only one", "both")[number - 1] if number < 3 else f"all {number_word(number)}"
+
+
 def counted(number: int, words: str) -> str:
     """Return "two cups", "one cup", "no cups", "12 cups", "two pairs of glasses"."""
     said = number_word(number)

@@ -87,6 +87,11 @@ def whose(owner: str) -> str:
     return f"{sentence_case(owner)}'s"
 
 
+def theirs(owner: str) -> str:
+    """Return whose a thing is, after it: "yours", "Anna's"."""
+    return {"me": "yours", "you": "mine"}.get(owner) or whose(owner)
+
+
 def indefinite(term: ObjectTerm, words: str, *, many: bool = False) -> str:
     """Return the words with the owner or an article: "your keys", "an orange bowl".
 

@@ -2,9 +2,19 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from datetime import datetime
 
-from assistant.english import article, counted, listed, plural, sentence_case, slice_words, when
+from assistant.english import (
+    all_of,
+    article,
+    counted,
+    listed,
+    plural,
+    sentence_case,
+    slice_words,
+    when,
+)
 from assistant.phrases import (
     asked_place,
     condition_words,
@@ -17,6 +27,7 @@ from assistant.phrases import (
     numbered,
     said_many,
     term_of,
+    theirs,
     there_words,
 )
 from d3a.answer import Answer, RankedKeyframe
@@ -47,6 +58,8 @@ def refusal_words(answer: Answer, query: FormalQuery, now: datetime) -> str:
     change = query.ask in ("moved", "missing")
     if answer.looked_then is False and (change or answer.reason in ("not_then", "not_there")):
         told = f"I was not looking{looking_into(answer, query)}{time}, so I cannot tell."
+    elif answer.reason == "never" and answer.denied and term == term_of(query) and term.owner:
+        return _all_denied(answer.denied, query, term, term.owner)
     elif refused:
         told = f"{opening}{_none_like_it(answer, query, refused, now)}"
     elif answer.apart:
@@ -91,6 +104,26 @@ def _none_like_it(answer: Answer, query: FormalQuery, refused: list[str], now: d
     there = there_words(other, query)
     told = f"I saw {article(kind_of(other))}, but none that {missed}."
     return f"{told} I last saw one {when(other.end, now)}{there}."
+
+
+def all_refused(answer: Answer) -> str:
+    """Return that a person said no to each thing of an answer: not this one, nor that."""
+    number = max(len({k.object_id for k in answer.keyframes}), 1) + answer.denied
+    named = "it"
+    if answer.query is not None:
+        term = term_of(answer.query)
+        if not term.owner and term.category != ANYTHING:
+            named = definite(term, numbered(answer.query, term))
+    then = " then" if answer.query is not None and answer.query.time is not None else ""
+    return f"You said no to {all_of(number)} that I saw{then}: nothing else could be {named}."
+
+
+def _all_denied(number: int, query: FormalQuery, term: ObjectTerm, owner: str) -> str:
+    """Return that there were some, and that a person said of each whose it is not."""
+    seen = numbered(replace(query, text=""), term)
+    which = "it is" if number == 1 else "they are"
+    each = "that" if number == 1 else f"of {all_of(number)} that"
+    return f"I saw {counted(number, seen)}, and you said {each} {which} not {theirs(owner)}."
 
 
 def _none_of(answer: Answer, query: FormalQuery, term: ObjectTerm) -> str:

@@ -88,8 +88,9 @@ class Answer:
     seen before and after a moment, whether there was any look then (into the asked room); for the
     sentence, not part of the record.
     least: how many of `count` must be different things: a moved one may have got a new id.
-    apart: for a no about moving, at how many places things were seen then that may be one; both
-    for the sentence. elapsed_ms: parse, retrieve, rank, total.
+    apart: for a no about moving, at how many places things were seen then that may be one.
+    denied: of how many things people said that they are not the owner's who is asked about, so
+    that they were left out; all three for the sentence. elapsed_ms: parse, retrieve, rank, total.
     """
 
     text: str = ""
@@ -107,6 +108,7 @@ class Answer:
     looked_then: bool | None = None
     least: int = 0
     apart: int = 0
+    denied: int = 0
     truncated: bool = False
     elapsed_ms: dict[str, float] = field(default_factory=dict)
     id: str | None = None

@@ -13,7 +13,7 @@ from d3a.moments import Entry, total_ms
 from d3a.rank import Ranked, entry_score
 from d3a.run import Run, milliseconds
 from d3a.store.base import Sighting
-from grammar.forms import TimeSlice
+from grammar.forms import VARIABLES, TimeSlice
 
 
 def conclude(run: Run, limit: int) -> Answer:
@@ -31,6 +31,7 @@ def conclude(run: Run, limit: int) -> Answer:
         value=_value(run, least),
         least=least,
         apart=run.apart,
+        denied=len(run.denied.get(VARIABLES[0], ())),
         keyframes=tuple(keyframes),
         otherwise=_otherwise(run),
         unjudged=tuple(run.unjudged),

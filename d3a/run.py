@@ -48,7 +48,8 @@ class Run:
     unjudged: conditions left out, in the order of the question, none twice.
     rooms: by variable, the room that its noun names ("kitchen table"); plain: by variable, the
     candidates that the noun means wherever they are. refused: the attributes that `otherwise`
-    does not have. looked_then, apart: see `Answer`. limit: of keyframes. cut: not every sighting
+    does not have. looked_then, apart: see `Answer`. denied: by variable, the things that were said
+    not to be the owner's. limit: of keyframes. cut: not every sighting
     was read; counted: of how many objects there are some; since_ms: from when on a relation was
     looked for, as the variables `reached` allow.
     """
@@ -74,6 +75,7 @@ class Run:
     refused: tuple[str, ...] = ()
     looked_then: bool | None = None
     apart: int = 0
+    denied: dict[str, set[str]] = field(default_factory=dict)
     limit: int = 50
     cut: bool = False
     counted: int = 0
@@ -109,7 +111,9 @@ class Run:
             for name, word, owner in History.of_json(value).denials()
             if owner == step.owner and words & {squash(word), squash(self.lexicon.canonical(word))}
         }
-        return [record for record in records if record.object_id not in denied]
+        left_out = {record.object_id for record in records} & denied
+        self.denied.setdefault(step.var, set()).update(left_out)
+        return [record for record in records if record.object_id not in left_out]
 
     def answering(self, var: str) -> list[Moment]:
         """Return the moments so far: those of a relation, else the variable's sightings."""
