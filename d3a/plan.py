@@ -7,6 +7,7 @@ at most, and joins and scores above the store.
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, fields, is_dataclass
 from datetime import datetime
 from typing import Any
@@ -87,11 +88,8 @@ class Plan:
         return [{"step": type(step).__name__} | _fields(step) for step in self.steps]
 
     def lines(self) -> list[str]:
-        """Return a line a step, as one would write the call."""
-        return [
-            f"{type(step).__name__}({', '.join(f'{k}={v!r}' for k, v in _fields(step).items())})"
-            for step in self.steps
-        ]
+        """Return a line a step, for reading: `find objects x, category cup, owner me`."""
+        return [_line(step) for step in self.steps]
 
 
 def plan(
@@ -253,14 +251,41 @@ def _spreads(query: FormalQuery) -> bool:
     return query.select == "all" and query.ask in ("whether", "where", "what", "count", "when")
 
 
-def _fields(step: Any) -> Json:
+def _said(step: Any) -> dict[str, Any]:
+    """Return the fields of a step that say something."""
     assert is_dataclass(step)
     said = {f.name: getattr(step, f.name) for f in fields(step)}
     return {
-        name: _plain(value)
+        name: value
         for name, value in said.items()
         if value is not None and value != () and value is not False
     }
+
+
+def _fields(step: Any) -> Json:
+    return {name: _plain(value) for name, value in _said(step).items()}
+
+
+def _line(step: Any) -> str:
+    """Return a step in plain words: what is done, to which variables, and how."""
+    done = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", type(step).__name__).lower()
+    said = _said(step)
+    of = [_worded(said.pop(name)) for name in ("var", "vars") if name in said]
+    how = [name if value is True else f"{name} {_worded(value)}" for name, value in said.items()]
+    return f"{done} {', '.join((*of, *how))}".rstrip()
+
+
+def _worded(value: Any) -> str:
+    match value:
+        case datetime():
+            return value.isoformat(" ", "minutes" if value.second == 0 else "seconds")
+        case TimeSlice():
+            ends = (("from", value.start), ("to", value.end))
+            return " ".join(f"{word} {_worded(end)}" for word, end in ends if end is not None)
+        case tuple():
+            return " and ".join(map(_worded, value))
+        case _:
+            return str(value)
 
 
 def _plain(value: Any) -> Any:

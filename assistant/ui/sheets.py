@@ -349,4 +349,6 @@ def _beside(explanation: str) -> str:
 def _part(value: object) -> str:
     if isinstance(value, dict):
         return ", ".join(f"{name} {_part(part)}" for name, part in value.items()) or "-"
+    if isinstance(value, list | tuple):
+        return ", ".join(map(_part, value)) or "-"
     return f"{value:.2f}" if isinstance(value, float) else str(value)

@@ -168,7 +168,7 @@ def test_explain_tells_plan_and_native_queries(make_store: Callable[[], Store]) 
         assert all(native["query"] for native in record["native"])
         assert any(native["index"] for native in record["native"])
     text = told.to_text()
-    assert "JudgeAttributes(var='x', attributes=['red'])" in text
+    assert "judge attributes x, attributes red" in text
     assert "found, 1 objects" in text
 
 

@@ -194,5 +194,5 @@ def test_plan_is_printable_as_data_and_as_lines() -> None:
         "owner": "anna",
         "votes": True,
     }
-    assert steps.lines()[1] == "JudgeAttributes(var='x', attributes=['pink'], doubts=True)"
+    assert steps.lines()[1] == "judge attributes x, attributes pink, doubts"
     assert len(steps.lines()) == len(steps.steps)
