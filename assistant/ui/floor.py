@@ -83,6 +83,7 @@ class _Canvas:
         self._top = y_max + ((rows - 1) / self._down - spare_y) / 2
         self._lines = [[0] * columns for _ in range(rows)]
         self._text: dict[tuple[int, int], str] = {}
+        self._beside: set[tuple[int, int]] = set()  # the cells next to names
 
     def cell(self, point: Point) -> tuple[int, int]:
         """Return the column and row of a point, kept inside."""
@@ -123,12 +124,20 @@ class _Canvas:
             self._text[column + i, row] = char
 
     def write_near(self, point: Point, words: str) -> None:
-        """Write a sign at a point, or in the nearest cell of its room that has none yet."""
+        """Write a sign at a point, or in the nearest cell of its room that has none yet.
+
+        Next to a name it stands only where nothing else is left.
+        """
         home = self.cell(point)
-        for column, row in (*self._reach(home), *self._reach(home, walls=True)):
-            if (column, row) not in self._text:
-                self.write(column, row, words)
+        free: list[tuple[int, int]] = []
+        for walls in (False, True):
+            free += [at for at in self._reach(home, walls=walls) if at not in self._text]
+            apart = next((at for at in free if at not in self._beside), None)
+            if apart is not None:
+                self.write(*apart, words)
                 return
+        if free:
+            self.write(*free[0], words)
 
     def write_inside(self, point: Point, words: str, *, gap: int) -> bool:
         """Write words on free cells of the room around a point, near it; False without room.
@@ -150,6 +159,7 @@ class _Canvas:
             starts, key=lambda at: (2 * abs(at[1] - home[1]) + abs(at[0] - middle), at)
         )
         self.write(column, row, words)
+        self._beside |= {(column - 1, row), (column + len(words), row)}
         return True
 
     def _takes(
@@ -211,10 +221,12 @@ def draw_floor(
     bounds = _bounds(floor, marks)
     if bounds is None or columns < 8 or rows < 4:
         return []
-    canvas = _Canvas(bounds, columns, rows)
-    if not _fill(canvas, bounds, floor, marks, robot):  # letters need the width
-        canvas = _Canvas(bounds, columns, rows, to_scale=False)
-        _fill(canvas, bounds, floor, marks, robot)
+    signs = [*marks, *([Mark(robot, floor.robot)] if floor.robot is not None else [])]
+    # where a name is cut short: letters need the width; then a sign may stand a cell off its place
+    for to_scale, names_first in ((True, False), (False, False), (False, True)):
+        canvas = _Canvas(bounds, columns, rows, to_scale=to_scale)
+        if _fill(canvas, bounds, floor.regions, signs, names_first=names_first):
+            break
     if not floor.regions:
         for place in floor.places:
             column, row = canvas.cell(place)
@@ -226,20 +238,26 @@ def draw_floor(
 def _fill(
     canvas: _Canvas,
     bounds: tuple[float, float, float, float],
-    floor: Floor,
-    marks: Sequence[Mark],
-    robot: str,
+    regions: Sequence[Region],
+    signs: Sequence[Mark],
+    *,
+    names_first: bool,
 ) -> bool:
     """Draw walls, numbers, the robot and the names of rooms; False where a name is cut short."""
-    for polygon in [region.polygon for region in floor.regions] or [_corners(bounds)]:
+    for polygon in [region.polygon for region in regions] or [_corners(bounds)]:
         if _has_room(canvas, polygon):
             for i, corner in enumerate(polygon):
                 canvas.wall(corner, polygon[(i + 1) % len(polygon)])
-    for mark in marks:
-        canvas.write_near(mark.at, mark.label)
-    if floor.robot is not None:
-        canvas.write_near(floor.robot, robot)
-    rooms = sorted(floor.regions, key=lambda region: not _has_room(canvas, region.polygon))
+    if names_first:
+        is_whole = _name_rooms(canvas, regions)
+    for sign in signs:
+        canvas.write_near(sign.at, sign.label)
+    return is_whole if names_first else _name_rooms(canvas, regions)
+
+
+def _name_rooms(canvas: _Canvas, regions: Sequence[Region]) -> bool:
+    """Write the names of rooms, those with walls first; False where one is cut short."""
+    rooms = sorted(regions, key=lambda region: not _has_room(canvas, region.polygon))
     whole = [_name_room(canvas, region) for region in rooms]
     return all(whole)
 

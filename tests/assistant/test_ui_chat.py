@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import threading
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -16,9 +17,11 @@ from assistant.ui.history import History
 from assistant.ui.lists import KeyframeList, QuestionList
 from assistant.ui.panels import FloorView
 from assistant.ui.picture import PictureView
-from assistant.ui.sheets import FloorSheet, LargeSheet, PictureSheet, Sheet
+from assistant.ui.sheets import FloorSheet, LargeSheet, PictureSheet, Sheet, why_text
 from d3a.answer import Answer
+from d3a.plan import plan
 from d3a.store.base import Keyframe, StoreUnreachable
+from grammar import parse
 from tests.worlds import small_home
 from tests.worlds.oracle import OracleStore
 from tests.worlds.running_chat import QUESTION, chat
@@ -130,6 +133,17 @@ async def test_why_shows_the_formal_query_the_score_and_the_plan() -> None:
         for part in ("keys(x) | STc.find", "Q3", "attributes brass 0.50", "0.70 (fairly sure)"):
             assert part in text()
         assert "query   " not in text()  # the formal query stands above, once
+
+
+def test_why_says_parts_and_steps_in_plain_words() -> None:
+    row = replace(small_home.found("where").keyframes[0], why={"refused": ["blue", "big"]})
+    query = parse("where was my red cup before noon?", now=small_home.NOW)
+    explained = "\n".join(["plan", *plan(query).lines()])
+    text = why_text(Answer(query=query), row, explained)
+    assert "refused    blue, big" in text
+    assert "find objects x, category cup, word cup, owner me" in text
+    assert "judge attributes x, attributes red" in text
+    assert not any(sign in text.partition("plan")[2] for sign in "[]'=")
 
 
 @pytest.mark.parametrize("key", ["f2", "f5", "f6", "f7", "f8"])

@@ -103,6 +103,29 @@ def test_numbers_in_one_cell_stand_side_by_side() -> None:
     assert all(left.count(label) == 1 for label in "123456R")  # none in the room next door
 
 
+def test_a_name_stands_whole_where_a_sign_would_cut_it() -> None:
+    low = Region("living room", ((4, 0), (8, 0), (8, 2), (4, 2)))
+    floor = Floor(regions=(*rooms("kitchen"), low), robot=(6, 1))
+    lines = draw_floor(floor, [Mark("1", (6.5, 1.2))], 28, 6)
+    assert lines == [
+        "┌─────────────┐",
+        "│             │",
+        "│   kitchen   ├────────────┐",
+        "│             │living room │",
+        "│             │     R 1    │",
+        "└─────────────┴────────────┘",
+    ]
+    one_row = Region("living room", ((4, 0), (8, 0), (8, 1.6), (4, 1.6)))
+    lines = draw_floor(replace(floor, regions=(*rooms("kitchen"), one_row)), [], 28, 6)
+    assert lines[3:5] == ["│             ├─────R──────┐", "│             │living room │"]
+    wide = draw_floor(floor, [Mark("1", (6.5, 1.2))], 40, 12)  # with room each keeps its place
+    assert wide[7:10] == [
+        "│                   │           1      │",
+        "│                   │        R         │",
+        "│                   │   living room    │",
+    ]
+
+
 def test_a_place_too_small_for_walls_keeps_its_name() -> None:
     desk = Region("desk", ((1, 1), (1.5, 1), (1.5, 1.5), (1, 1.5)))
     lines = draw_floor(Floor(regions=(*rooms("kitchen"), desk)), [Mark("2", (1.2, 1.2))], 24, 9)
