@@ -146,12 +146,7 @@ class _Canvas:
         """
         home = self.cell(point)
         room = set(self._reach(home))
-        starts = {
-            (column - shift, row)
-            for column, row in room
-            for shift in range(len(words))
-            if self._takes(room, column - shift, row, len(words), gap)
-        }
+        starts = [at for at in room if self._takes(room, *at, len(words), gap)]
         if not starts:
             return False
         middle = home[0] - len(words) // 2
@@ -222,10 +217,14 @@ def draw_floor(
     if bounds is None or columns < 8 or rows < 4:
         return []
     signs = [*marks, *([Mark(robot, floor.robot)] if floor.robot is not None else [])]
+    canvas, missing = _Canvas(bounds, columns, rows), 0
     # where a name is cut short: letters need the width; then a sign may stand a cell off its place
     for to_scale, names_first in ((True, False), (False, False), (False, True)):
-        canvas = _Canvas(bounds, columns, rows, to_scale=to_scale)
-        if _fill(canvas, bounds, floor.regions, signs, names_first=names_first):
+        drawn = _Canvas(bounds, columns, rows, to_scale=to_scale)
+        letters = _fill(drawn, bounds, floor.regions, signs, names_first=names_first)
+        if to_scale or letters < missing:
+            canvas, missing = drawn, letters
+        if not missing:
             break
     if not floor.regions:
         for place in floor.places:
@@ -242,24 +241,17 @@ def _fill(
     signs: Sequence[Mark],
     *,
     names_first: bool,
-) -> bool:
-    """Draw walls, numbers, the robot and the names of rooms; False where a name is cut short."""
-    for polygon in [region.polygon for region in regions] or [_corners(bounds)]:
-        if _has_room(canvas, polygon):
-            for i, corner in enumerate(polygon):
-                canvas.wall(corner, polygon[(i + 1) % len(polygon)])
-    if names_first:
-        is_whole = _name_rooms(canvas, regions)
+) -> int:
+    """Draw walls, numbers, the robot and names; return how many letters of names are missing."""
+    walled = [region for region in regions if _has_walls(canvas, region, regions)]
+    for polygon in [region.polygon for region in walled] if regions else [_corners(bounds)]:
+        for i, corner in enumerate(polygon):
+            canvas.wall(corner, polygon[(i + 1) % len(polygon)])
+    rooms = [*walled, *(region for region in regions if region not in walled)]
+    missing = sum(_name_room(canvas, room) for room in rooms) if names_first else 0
     for sign in signs:
         canvas.write_near(sign.at, sign.label)
-    return is_whole if names_first else _name_rooms(canvas, regions)
-
-
-def _name_rooms(canvas: _Canvas, regions: Sequence[Region]) -> bool:
-    """Write the names of rooms, those with walls first; False where one is cut short."""
-    rooms = sorted(regions, key=lambda region: not _has_room(canvas, region.polygon))
-    whole = [_name_room(canvas, region) for region in rooms]
-    return all(whole)
+    return missing if names_first else sum(_name_room(canvas, room) for room in rooms)
 
 
 def is_drawable(floor: Floor, marks: Sequence[Mark]) -> bool:
@@ -269,31 +261,56 @@ def is_drawable(floor: Floor, marks: Sequence[Mark]) -> bool:
 
 def _span(canvas: _Canvas, polygon: Sequence[Point]) -> tuple[int, int, int, int]:
     """Return the first and last column, the first and last row of a polygon."""
-    xs, ys = [x for x, _ in polygon], [y for _, y in polygon]
-    left, top = canvas.cell((min(xs), max(ys)))
-    right, bottom = canvas.cell((max(xs), min(ys)))
+    x_min, y_min, x_max, y_max = _box_of(polygon)
+    left, top = canvas.cell((x_min, y_max))
+    right, bottom = canvas.cell((x_max, y_min))
     return left, right, top, bottom
 
 
-def _has_room(canvas: _Canvas, polygon: Sequence[Point]) -> bool:
-    """Whether a number fits between walls around it: a desk on a small map has no walls."""
-    left, right, top, bottom = _span(canvas, polygon)
-    return right - left > 3 and bottom - top > 1
+def _has_walls(canvas: _Canvas, region: Region, regions: Sequence[Region]) -> bool:
+    """Whether walls are drawn: a number fits between them; a spot in a room has its name there too.
+
+    A desk on a small map has no walls, so that its name finds room around it.
+    """
+    left, right, top, bottom = _span(canvas, region.polygon)
+    if right - left <= 3 or bottom - top <= 1:
+        return False
+    is_spot = any(_lies_in(region, other) for other in regions)
+    return not is_spot or right - left > len(clean(region.name))
 
 
-def _name_room(canvas: _Canvas, region: Region) -> bool:
-    """Write a room's name near its middle, where nothing stands in its way; False if not whole."""
-    xs, ys = [x for x, _ in region.polygon], [y for _, y in region.polygon]
-    middle = (min(xs) + max(xs)) / 2, (min(ys) + max(ys)) / 2
-    name = clean(region.name)
+def _lies_in(region: Region, other: Region) -> bool:
+    """Whether the middle of a region is in another, larger one, both taken as boxes."""
+    (x, y), (x1, y1, x2, y2) = _middle(region), _box_of(other.polygon)
+    a1, b1, a2, b2 = _box_of(region.polygon)
+    is_larger = (x2 - x1) * (y2 - y1) > (a2 - a1) * (b2 - b1)
+    return is_larger and x1 <= x <= x2 and y1 <= y <= y2
+
+
+def _box_of(polygon: Sequence[Point]) -> tuple[float, float, float, float]:
+    xs, ys = [x for x, _ in polygon], [y for _, y in polygon]
+    return min(xs), min(ys), max(xs), max(ys)
+
+
+def _middle(region: Region) -> Point:
+    x_min, y_min, x_max, y_max = _box_of(region.polygon)
+    return (x_min + x_max) / 2, (y_min + y_max) / 2
+
+
+def _name_room(canvas: _Canvas, region: Region) -> int:
+    """Write a room's name near its middle, where nothing stands in its way.
+
+    Returns how many letters are missing.
+    """
+    middle, name = _middle(region), clean(region.name)
     if width_of(name) != len(name):  # wide letters would push the wall aside
-        return True
+        return 0
     if canvas.write_inside(middle, name, gap=1) or canvas.write_inside(middle, name, gap=0):
-        return True
+        return 0
     for width in range(len(name) - 1, _LEAST_OF_A_NAME - 1, -1):
         if canvas.write_inside(middle, shorten(name, width), gap=1):
-            break
-    return False
+            return len(name) - width
+    return len(name)
 
 
 def _bounds(floor: Floor, marks: Sequence[Mark]) -> tuple[float, float, float, float] | None:
@@ -305,8 +322,8 @@ def _bounds(floor: Floor, marks: Sequence[Mark]) -> tuple[float, float, float, f
     if not points:
         return None
     margin = 0.0 if floor.regions else 0.5
-    xs, ys = [x for x, _ in points], [y for _, y in points]
-    return min(xs) - margin, min(ys) - margin, max(xs) + margin, max(ys) + margin
+    x_min, y_min, x_max, y_max = _box_of(points)
+    return x_min - margin, y_min - margin, x_max + margin, y_max + margin
 
 
 def _corners(bounds: tuple[float, float, float, float]) -> tuple[Point, ...]:

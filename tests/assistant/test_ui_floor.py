@@ -136,6 +136,17 @@ def test_a_place_too_small_for_walls_keeps_its_name() -> None:
     assert [text.count(corner) for corner in "┌┐└┘"] == [1, 1, 1, 1]
 
 
+def test_a_spot_in_a_room_has_walls_where_its_name_fits_between_them() -> None:
+    corners = ((1.0, 0.5), (3.0, 0.5), (3.0, 1.5), (1.0, 1.5))
+    floor = Floor(regions=(*rooms("kitchen"), Region("workbench", corners)))
+    small, large = (draw_floor(floor, (), *size) for size in ((24, 9), (60, 28)))
+    for lines, walls in ((small, 1), (large, 2)):
+        text = "\n".join(lines)
+        assert "workbench" in text
+        assert "kitchen" in text
+        assert text.count("┌") == walls
+
+
 @given(
     st.lists(st.tuples(METRES, METRES), max_size=6),
     st.lists(st.tuples(METRES, METRES), min_size=3, max_size=6),
