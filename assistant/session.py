@@ -98,7 +98,7 @@ def told(answer: Answer) -> tuple[str, str]:
 def known_words(store: Store) -> tuple[str, ...]:
     """Return what the store can be asked about, commonest first: categories, names, places."""
     categories = sorted(store.categories(), key=lambda pair: (-pair[1], pair[0]))
-    named = {name.word for thing in store.objects() for name in thing.names}
+    named = {name.word for name in store.names()}
     return (
         *(category for category, _ in categories),
         *sorted(named),

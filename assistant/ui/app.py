@@ -131,8 +131,7 @@ class ChatApp(App[None], inherit_bindings=False):
     @work(thread=True, group="survey")
     def _survey(self) -> None:
         with self._store_lane:
-            world = survey(self._session)
-        self.post_message(self.Surveyed(world))
+            self.post_message(self.Surveyed(survey(self._session)))
         with self._store_lane:  # the first question builds the grammar: 0.1 s to wait for
             self._session.safely("where is it?", alone=True)
 
@@ -170,8 +169,7 @@ class ChatApp(App[None], inherit_bindings=False):
             answer = self._session.safely(said.text)
             failed = answer.status == "error"
             news = News() if failed else read_news(self._session.store, self._world)
-            pointed = pointer.row
-        self.post_message(self.Answered(said.number, answer, news, pointed))
+            self.post_message(self.Answered(said.number, answer, news, pointer.row))
 
     def on_chat_app_answered(self, message: Answered) -> None:
         """Show an answer; one that comes late goes to what was said earlier."""

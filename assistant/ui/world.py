@@ -11,7 +11,7 @@ from assistant.session import Session, known_words, questions_for
 from assistant.ui.floor import Floor, read_floor
 from d3a.constraints import SAID
 from d3a.model import D3AError
-from d3a.store.base import Store
+from d3a.store.base import Region, Store
 
 EMPTY_FLOOR = Floor()
 
@@ -25,7 +25,7 @@ class News:
 
     newest_ms: int | None = None
     lessons: int | None = None
-    floor: Floor | None = None
+    regions: tuple[Region, ...] | None = None
     words: tuple[str, ...] | None = None
 
 
@@ -44,7 +44,7 @@ class World:
         """Return the world with what is new."""
         return replace(
             self,
-            floor=news.floor or self.floor,
+            floor=self.floor if news.regions is None else replace(self.floor, regions=news.regions),
             words=self.words if news.words is None else news.words,
             newest_ms=news.newest_ms or self.newest_ms,
             lessons=news.lessons or self.lessons,
@@ -74,6 +74,6 @@ def read_news(store: Store, world: World) -> News:
         newest_ms, lessons = store.last_view_ms(), store.meta(SAID)
         if lessons == world.lessons:
             return News(newest_ms)
-        return News(newest_ms, lessons, read_floor(store), known_words(store))
+        return News(newest_ms, lessons, tuple(store.regions()), known_words(store))
     except D3AError:  # the answer is there already; the rest stays as it was
         return News()
