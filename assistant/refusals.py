@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from datetime import datetime
 
 from assistant.english import (
@@ -59,7 +58,7 @@ def refusal_words(answer: Answer, query: FormalQuery, now: datetime) -> str:
     if answer.looked_then is False and (change or answer.reason in ("not_then", "not_there")):
         told = f"I was not looking{looking_into(answer, query)}{time}, so I cannot tell."
     elif answer.reason == "never" and answer.denied and term == term_of(query) and term.owner:
-        return _all_denied(answer.denied, query, term, term.owner)
+        return _all_denied(answer.denied, noun_of(term), term.owner)
     elif refused:
         told = f"{opening}{_none_like_it(answer, query, refused, now)}"
     elif answer.apart:
@@ -118,12 +117,11 @@ def all_refused(answer: Answer) -> str:
     return f"You said no to {all_of(number)} that I saw{then}: nothing else could be {named}."
 
 
-def _all_denied(number: int, query: FormalQuery, term: ObjectTerm, owner: str) -> str:
-    """Return that there were some, and that a person said of each whose it is not."""
-    seen = numbered(replace(query, text=""), term)
+def _all_denied(number: int, noun: str, owner: str) -> str:
+    """Return that there were some, whatever they looked like, and whose none is, as was said."""
     which = "it is" if number == 1 else "they are"
     each = "that" if number == 1 else f"of {all_of(number)} that"
-    return f"I saw {counted(number, seen)}, and you said {each} {which} not {theirs(owner)}."
+    return f"I saw {counted(number, noun)}, and you said {each} {which} not {theirs(owner)}."
 
 
 def _none_of(answer: Answer, query: FormalQuery, term: ObjectTerm) -> str:
