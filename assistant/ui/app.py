@@ -217,8 +217,9 @@ class ChatApp(App[None], inherit_bindings=False):
 
     def _show_shot(self, shot: Shot) -> None:
         self.chat.show_shot(shot)
-        if isinstance(self.screen, PictureSheet):
-            self.screen.show_shot(shot)
+        for sheet in self.screen_stack[-1:]:  # none any more while the chat is being left
+            if isinstance(sheet, PictureSheet):
+                sheet.show_shot(shot)
 
     # what the person does
 

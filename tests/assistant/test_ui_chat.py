@@ -590,6 +590,7 @@ async def test_what_comes_while_the_chat_is_left_is_dropped() -> None:
         await c.ask()
         await c.until(lambda: c.app.chat.shot is not None)
         shot, world = c.app.chat.shot, c.app._world
+        assert shot is not None
         await c.app.chat.query_one("#body").remove()  # as textual does, one part after the other
         c.app.chat.show_shot(shot)
         c.app.chat.show_answer(small_home.found("late"), world)
@@ -598,6 +599,9 @@ async def test_what_comes_while_the_chat_is_left_is_dropped() -> None:
         await c.pilot.resize_terminal(100, 30)
         await c.pilot.press("ctrl+q")
         await c.until(lambda: not c.app.is_running)
+    assert c.app.screen_stack == []
+    c.app._chosen = shot.keyframe
+    c.app.on_chat_app_fetched(c.app.Fetched(shot))
 
 
 async def test_quit() -> None:
