@@ -215,12 +215,12 @@ class Facts:
         """
         if whole or self._has_few_objects():
             return self.stays(sorted({sighting.object_id for sighting in sightings}))
-        keys = {(sighting.object_id, sighting.place) for sighting in sightings}
+        keys = sorted({(sighting.object_id, sighting.place) for sighting in sightings})
         known = self._known.room_for_places(len(keys))
-        if not known.keys() >= keys:
-            found = self.store.stays_at(sorted(keys - known.keys()))
-            known.update(((stay.object_id, stay.place), stay) for stay in found)
-        return {key: known[key] for key in sorted(keys & known.keys())}
+        unknown = [key for key in keys if key not in known]
+        for stay in self.store.stays_at(unknown) if unknown else ():
+            known[stay.object_id, stay.place] = stay
+        return {key: known[key] for key in keys if key in known}
 
     def reach(self, ids: Sequence[str], count: int) -> int | None:
         """Return the start of the count-th newest sighting, see `Store.reach`."""

@@ -22,6 +22,10 @@ from d3a.store.records import Record, embedding_bytes, embedding_from_bytes
 Row = tuple[Any, ...]
 _BOX = struct.Struct("<4d")
 _POSE = struct.Struct("<7d")
+_EXTENT = struct.Struct("<2d")
+_COVARIANCE = struct.Struct("<9d")
+_decoded = json.JSONDecoder().raw_decode
+"""A quarter of what `json.loads` takes: it does not look for blanks, of which none were written."""
 
 OBJECT_COLUMNS = (
     "object_id, category, weight, first_ms, last_ms, site, categories, names, embedding, "
@@ -55,10 +59,6 @@ def _doubles(values: Sequence[float] | None) -> bytes | None:
     return None if values is None else struct.pack(f"<{len(values)}d", *values)
 
 
-def _tuple(blob: bytes | None) -> tuple[float, ...] | None:
-    return None if blob is None else struct.unpack(f"<{len(blob) // 8}d", blob)
-
-
 def _real(value: float | None) -> float | None:
     return None if value is None else float(value)
 
@@ -89,22 +89,21 @@ def object_row(record: ObjectRecord) -> Row:
 
 
 def object_record(row: Row) -> ObjectRecord:
-    """Return the record of a row of OBJECT_COLUMNS."""
-    extent = _tuple(row[10])
+    """Return the record of a row of OBJECT_COLUMNS; positional: lists of thousands are read."""
     return ObjectRecord(
-        object_id=row[0],
-        category=row[1],
-        weight=row[2],
-        first_ms=row[3],
-        last_ms=row[4],
-        site=row[5],
-        categories=() if row[6] == "[]" else tuple((c, w) for c, w in json.loads(row[6])),
-        names=() if row[7] == "[]" else tuple(TaughtName(*n) for n in json.loads(row[7])),
-        embedding=None if row[8] is None else embedding_from_bytes(row[8]),
-        embedding_model=row[9],
-        extent_m=None if extent is None else (extent[0], extent[1]),
-        tentative=bool(row[11]),
-        volatile=bool(row[12]),
+        row[0],
+        row[1],
+        row[2],
+        row[3],
+        row[4],
+        row[5],
+        () if row[6] == "[]" else tuple(map(tuple, _decoded(row[6])[0])),
+        () if row[7] == "[]" else tuple(TaughtName(*n) for n in _decoded(row[7])[0]),
+        None if row[8] is None else embedding_from_bytes(row[8]),
+        row[9],
+        None if row[10] is None else _EXTENT.unpack(row[10]),
+        row[11] == 1,
+        row[12] == 1,
     )
 
 
@@ -133,21 +132,21 @@ def stay_row(record: StayRecord) -> Row:
 
 
 def stay_record(row: Row) -> StayRecord:
-    """Return the record of a row of STAY_COLUMNS."""
+    """Return the record of a row of STAY_COLUMNS; positional: lists of thousands are read."""
     return StayRecord(
-        object_id=row[0],
-        place=row[1],
-        position=None if row[2] is None else (row[2], row[3], row[4]),
-        first_ms=row[5],
-        last_ms=row[6],
-        weight=row[7],
-        site=row[8],
-        covariance=_tuple(row[9]),
-        seen=row[10],
-        moved_from=None if row[11] is None else (row[11], row[12]),
-        last_absent_ms=row[13],
-        tentative=bool(row[14]),
-        volatile=bool(row[15]),
+        row[0],
+        row[1],
+        None if row[2] is None else (row[2], row[3], row[4]),
+        row[5],
+        row[6],
+        row[7],
+        row[8],
+        None if row[9] is None else _COVARIANCE.unpack(row[9]),
+        row[10],
+        None if row[11] is None else (row[11], row[12]),
+        row[13],
+        row[14] == 1,
+        row[15] == 1,
     )
 
 
