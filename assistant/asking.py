@@ -11,22 +11,21 @@ from time import perf_counter
 from typing import Literal, cast, get_args
 from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 
+from assistant.english import ORDINALS
 from assistant.forgotten_words import but_forgotten
 from assistant.lexicon import VocabularyLexicon
 from assistant.own_words import as_heard
 from assistant.reply import sentence
 from assistant.spots import of_the_spot, on_a_spot, told_as_place, without_itself
-from assistant.taught import ORDINALS
 from assistant.tense import as_of_now
 from d3a.answer import Answer, Status
 from d3a.conclude import within
 from d3a.execute import execute
 from d3a.facts import Facts
-from d3a.forgotten import FORGOTTEN
 from d3a.model import Json
 from d3a.parameters import Parameters
 from d3a.plan import Plan, Precision, plan
-from d3a.store.base import NativeQuery, Store, StoreError
+from d3a.store.base import FORGOTTEN, NativeQuery, Store, StoreError
 from grammar import StoreWords, parse, vocabulary
 from grammar.errors import QuestionError
 from grammar.forms import FormalQuery

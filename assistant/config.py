@@ -12,11 +12,14 @@ from pathlib import Path
 from typing import Any
 from zoneinfo import ZoneInfo, available_timezones
 
-from assistant import keymap, protocols
+from assistant import keymap
 
 APP = "d3a"
 FILE = "d3a.toml"
-CHOICES = {"color": ("auto", "always", "never"), "images": protocols.CHOICES}
+CHOICES = {
+    "color": ("auto", "always", "never"),
+    "images": ("auto", "kitty", "sixel", "cells", "ascii", "off"),
+}
 _KINDS = {str: (str, "text"), bool: (bool, "true or false"), dict: (Mapping, "a table")}
 HIDDEN = {"clock", "store_from"}
 """Fields of Settings that no file may hold."""
@@ -33,7 +36,7 @@ class Settings:
 
     store: a path or URI, None for the default file. store_from: where that was said.
     zone: an IANA name, None for the store's own. now: ISO, "last", or None for the clock.
-    images: how the chat shows pictures, one of CHOICES; see `protocols`.
+    images: how the chat shows pictures, one of CHOICES; see `assistant.protocols`.
     history: whether questions are kept for the next chat. speak: the command that says an answer
     aloud, its words being the last argument; empty for the first that the machine has.
     keys: the chat's keys by action where they are not the usual ones; see `keymap`.

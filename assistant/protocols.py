@@ -22,7 +22,6 @@ Kind = Literal["kitty", "sixel", "cells", "ascii", "off"]
 Cell = tuple[int, int]
 """Width and height of a cell in pixels."""
 
-CHOICES = ("auto", "kitty", "sixel", "cells", "ascii", "off")
 PIXELS: tuple[Kind, ...] = ("kitty", "sixel")
 BETWEEN = ("SSH_CONNECTION", "TMUX", "STY")
 """Set where another program lies between the chat and the person's terminal."""

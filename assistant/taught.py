@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass, replace
 
+from assistant.english import ORDINALS
 from grammar.vocabulary import lexicon
 
 Row = int | None
@@ -88,9 +89,6 @@ Teaching = (
     Naming | PlaceNaming | PlaceRenaming | Sameness | Difference | Boxing | Undoing | Recalling
 )
 
-ORDINALS = (
-    "first", "second", "third", "fourth", "fifth", "sixth", "seventh", "eighth", "ninth",
-)  # fmt: skip
 CARDINALS = ("one", "two", "three", "four", "five", "six", "seven", "eight", "nine")
 NUMBER = rf"(?:\d{{1,2}}|{'|'.join(CARDINALS)})"
 ORDINAL = rf"(?:{'|'.join(ORDINALS)}|last|\d{{1,2}}(?:st|nd|rd|th))"

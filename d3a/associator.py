@@ -16,7 +16,6 @@ from d3a.checkpoint import Arrays, pack, unpack
 from d3a.constraints import SAID, Constraints, History
 from d3a.coverage import Coverage
 from d3a.floor_map import MAP, RECORDED_MAP
-from d3a.forgotten import FORGOTTEN
 from d3a.ledger import Ledger
 from d3a.match import squash
 from d3a.model import Image, Json
@@ -27,6 +26,7 @@ from d3a.readers.base import RecordingFacts, Skipped
 from d3a.reconcile import Corrected, acknowledged, news_of, reconcile, take_in
 from d3a.sightings import Event, Scene
 from d3a.store.base import (
+    FORGOTTEN,
     Batch,
     Expected,
     Keyframe,

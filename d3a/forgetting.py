@@ -13,13 +13,13 @@ from typing import Any
 
 from d3a.constraints import HISTORY, SAID
 from d3a.emptied import Emptied, emptied
-from d3a.forgotten import FORGOTTEN, UNSCRUBBED, Removal, Selection, removal_of
+from d3a.forgotten import UNSCRUBBED, Removal, Selection, removal_of
 from d3a.forgotten_history import history_without
 from d3a.forgotten_pictures import Pictures, pictures_of
 from d3a.ledger import encounter_key
 from d3a.match import Lexicon
 from d3a.model import BadInput, Json
-from d3a.store.base import Batch, Expected, Store, StoreConflict
+from d3a.store.base import FORGOTTEN, Batch, Expected, Store, StoreConflict
 
 PERSON = "person"
 

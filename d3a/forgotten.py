@@ -20,8 +20,6 @@ from d3a.store.base import (
     View,
 )
 
-FORGOTTEN = "forgotten"
-"""Key in the store's meta: how often something was forgotten. Nothing says what."""
 UNSCRUBBED = "unscrubbed"
 """Key in the store's meta: true while bytes of what was removed may be left in the files."""
 Span = tuple[int, int]

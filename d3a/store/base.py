@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     from d3a.store.lease import Lease
 
 __all__ = [
+    "FORGOTTEN",
     "SCHEMA",
     "Area",
     "Batch",
@@ -65,6 +66,8 @@ __all__ = [
 ]
 
 SCHEMA = 1
+FORGOTTEN = "forgotten"
+"""Key in the store's meta: how often something was forgotten. Nothing says what."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -36,7 +36,6 @@ from d3a.store.base import (
 )
 from d3a.store.expected import check_expected
 from d3a.store.lease import Lease
-from d3a.store.limits import check_batch
 from d3a.store.records import dump_records
 from d3a.store.rows import (
     READERS,
@@ -50,7 +49,6 @@ from d3a.store.rows import (
 from d3a.store.sqlite_dump import Moment
 from d3a.store.sqlite_newest import Newest, count_seen
 from d3a.store.sqlite_read import Select
-from d3a.store.sqlite_write import Writer
 
 BUSY_TIMEOUT_S = 10.0
 _WHOLE = "BEGIN IMMEDIATE", "COMMIT", "ROLLBACK"
@@ -103,6 +101,9 @@ class SqliteStore:
     # writing
     def apply(self, batch: Batch) -> None:
         """Apply a batch in one transaction; the log is on the disk when this returns."""
+        from d3a.store.limits import check_batch  # a question does without what writes
+        from d3a.store.sqlite_write import Writer
+
         check_batch(batch)
         with self.turn():
             check_expected(self, batch)
