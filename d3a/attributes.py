@@ -31,7 +31,7 @@ UNKNOWN = 0.5
 """The chance of an attribute for an object without a picture, where others have one."""
 SIZE_SPREAD = 0.25
 """Deviation of the logarithm of a measured size: depth and boxes are rough."""
-LEAST_ONCE = 0.85
+LEAST_ONCE = 0.9
 """Of a thing seen once, which may be a mistake of the detector, a yes needs to be this likely."""
 LEAST_DOUBTFUL = 0.05
 """What is less likely than this is not even listed below what is likely."""

@@ -19,7 +19,7 @@ from d3a.rank import Ranked
 from d3a.store.base import ObjectRecord, Region, Sighting, StayKey, StayRecord, Store
 from grammar.forms import ANYTHING, FormalQuery, ObjectTerm
 
-LEAST_TOGETHER = 0.25
+LEAST_TOGETHER = 0.35
 """How likely the looks of all things in a relation must be, where those of some are doubtful."""
 _WORDS = {
     "in_front_of": "in front of",

@@ -13,10 +13,13 @@ from numpy.typing import NDArray
 from d3a.colours.names import BASIC, LUMINANCE, Floats, colours_of, encoded, linear, rest_of
 
 BINS = 8
-_LIGHTS = tuple(float(s) for s in np.exp(np.linspace(np.log(0.25), np.log(1.1), 10)))
-"""Light on the parts of a thing relative to the full light: its shaded side has a quarter."""
-_GLOSS = (0.0, 0.12)
-"""Share of the lamp's own colour in what a surface sends back: matt, glossy."""
+_LIGHTS = (0.17, 0.40, 0.54, 0.65, 0.74, 0.82, 0.89, 0.96, 1.02, 1.07)
+"""Light on ten equal parts of what is seen of a ball, the darkest first: most of what is seen faces
+the light. It comes from within 30 degrees of the camera (Lambert: by the cosine), and a tenth of it
+from everywhere."""
+_GLOSS = (0.005, 0.03)
+"""Share of the lamp's own colour in what a surface sends back: matt, glossy. Glass, plastic and
+lacquer mirror 4 % at most, ((1.5 - 1) / (1.5 + 1))^2 (Fresnel)."""
 _NOISE = 14.0
 """Deviation of a pixel in sRGB levels: sensor, compression, one word for near colours."""
 
