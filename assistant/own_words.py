@@ -10,7 +10,6 @@ from dataclasses import replace
 
 from assistant.english import sentence_case
 from assistant.phrases import is_kind
-from d3a.constraints import HISTORY, History
 from d3a.facts import Facts
 from d3a.match import squash
 from grammar.forms import FormalQuery, ObjectTerm
@@ -39,6 +38,8 @@ def as_heard(query: FormalQuery, facts: Facts) -> FormalQuery:
     taught = {squash(name.word) for name in facts.names() if name.owner is None}
     if not any(squash(term.word) in taught for term in query.objects):
         return query
+    from d3a.constraints import HISTORY, History  # most questions do without
+
     history = facts.meta(HISTORY)
     entries = History.of_json(history).entries if history is not None else ()
     heard = [each.arguments.get("heard") for each in entries]

@@ -115,11 +115,11 @@ def candidates(
         if is_named(record, step):
             found.append(Candidate(record, EXACT))
             continue
-        own = worth.get(record.category)
-        if own is not None and {category for category, _ in record.categories} <= {record.category}:
+        own, votes = worth.get(record.category), record.categories
+        if own is not None and (not votes or (len(votes) == 1 and votes[0][0] == record.category)):
             found.append(Candidate(record, own))  # as of thousands of things most
             continue
-        votes = record.categories or ((record.category, 1.0),)
+        votes = votes or ((record.category, 1.0),)
         total = sum(weight for _, weight in votes)
         match = sum(worth.get(category, 0.0) * weight for category, weight in votes)
         match = match / total if total > 0 else worth.get(record.category, 0.0)

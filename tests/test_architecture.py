@@ -96,6 +96,27 @@ def test_fresh_interpreter_loads_little(module: str, unwanted: set[str]) -> None
     assert not unwanted & set(done.stdout.split())
 
 
+def test_a_question_loads_nothing_that_teaches_or_writes() -> None:
+    unwanted = {
+        "assistant.protocols",
+        "assistant.taught",
+        "d3a.constraints",
+        "d3a.forgotten",
+        "d3a.store.limits",
+        "d3a.store.sqlite_write",
+        "hashlib",
+    }
+    code = "import sys, assistant.cli, assistant.commands.ask, assistant.asking, d3a.store"
+    done = subprocess.run(
+        [sys.executable, "-c", f"{code}; print(*sys.modules)"],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert not unwanted & set(done.stdout.split())
+
+
 @pytest.mark.parametrize("path", modules(), ids=lambda path: str(path.relative_to(ROOT)))
 def test_modules_stay_short(path: Path) -> None:
     assert len(path.read_text(encoding="utf-8").splitlines()) <= 400
