@@ -128,10 +128,18 @@ def _ambiguous_times(
     assert pair is not None  # only times that are listed lie apart
     spelled: list[str] = []
     first, last = words[times[pair[0]].first].start, words[times[pair[1]].last - 1].end
+    lead = _lead(words, times[pair[0]])
     for time in times[pair[0] : pair[1] + 1]:
         said = reading.text[words[time.first].start : words[time.last - 1].end]
-        spelled.append(f"{reading.text[:first]}{said}{reading.text[last:]}")
+        led = "" if _lead(words, time) else "".join(f"{word} " for word in lead)
+        spelled.append(f"{reading.text[:first]}{led}{said}{reading.text[last:]}")
     return _ambiguous(reading, words[times[pair[0]].first].start, error, spelled[:3])
+
+
+def _lead(words: list[Word], time: Found) -> list[str]:
+    """Return the little words that a time begins with: `on the` of `on the 5th`."""
+    said = (w.text for w in words[time.first : time.last])
+    return list(itertools.takewhile(lambda text: text in ("on", "in", "at", "the"), said))
 
 
 def _ambiguous_date(

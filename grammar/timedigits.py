@@ -6,15 +6,16 @@ import re
 from dataclasses import dataclass
 
 from grammar import timewords as tw
-from grammar.closed import words_of
+from grammar.closed import is_open, words_of
 from grammar.lalr import Token
 
 _ISO = re.compile(r"(\d{4})[-/.](\d{1,2})[-/.](\d{1,2})(?:t(\d{1,2}):(\d{2})(?::(\d{2}))?)?$")
 _SLASHED = re.compile(r"(\d{1,2})[-/.](\d{1,2})(?:[-/.](\d{4}|\d{2}))?$")
 _NAMED = re.compile(r"(\d{1,2})-([a-z]{3,9})-(\d{2,4})$")
-CLOCK = re.compile(r"(\d{1,2})[:.](\d{2})(?::(\d{2}))?$")
+CLOCK = re.compile(r"(\d{1,2})[:.h](\d{2})(?::(\d{2}))?$")
 CLOCK_ENDS = words_of("HOUR MINUTE HHMM FIXED MERIDIEM _OCLOCK")
 """The terminals in which a clock time may end."""
+_QUARTER = re.compile(r"q([1-4])$")
 _LENGTH = re.compile(r"(\d+\.\d+)$|(\d)/(\d)$")
 _MONTH = re.compile(r"(\d{4})[-/](\d{1,2})$|(\d{1,2})/(\d{4})$")
 
@@ -76,6 +77,10 @@ class DigitReader:
         if match := _SLASHED.match(self.word):
             year = _year(match[3]) if match[3] else None
             return self._make("DATE", ("slashed", year, int(match[1]), int(match[2])), 1)
+        if match := _QUARTER.match(self.word):
+            dated = self._at(-1) in _LEADS_QUARTER or self._at(1)[:2] in ("19", "20")
+            noun = is_open(self._at(1)) and self._at(1) not in ("last", "this")
+            return self._make("QUARTER", int(match[1]), 1) if dated and not noun else None
         return self._dashed()
 
     def _dashed(self) -> TimeToken | None:
@@ -92,6 +97,9 @@ class DigitReader:
     def _meridiem_at(self, k: int) -> bool:
         compact = self._at(k).replace(".", "").replace(" ", "")
         return compact in ("am", "pm") or (compact in ("a", "p") and self._at(k + 1) == "m")
+
+
+_LEADS_QUARTER = words_of("in during since of until till before after from to between and last by")
 
 
 def _year(text: str) -> int:

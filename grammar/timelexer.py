@@ -87,7 +87,9 @@ class _Reader(UnplacedReader):
             if token is not None:
                 return token
         narrowed = self.word == "but" and self.previous and self._at(1) in ("before", "after")
-        if self.word in tw.LINKS or narrowed:  # after five but before eight
+        if (
+            self.word in tw.LINKS and not self._parts_list()
+        ) or narrowed:  # after five but before eight
             return self._make("LINK", self.word, 1)
         return None
 
@@ -207,8 +209,9 @@ class _Reader(UnplacedReader):
         """Whether `on` ends what `from` began: from monday on."""
         following = self._at(length)
         timely = self._time_word(following) or following[:1].isdecimal() or following == "the"
+        leads = timely and self.words[self.i + length - 1] == "on"  # from noon on friday
         named = not (self.previous is None or self.previous.type.startswith("_"))
-        return named and not timely and self._open("_FROM", "_TO")
+        return named and not leads and self._open("_FROM", "_TO")
 
     def _dated_at(self, k: int) -> bool:
         """Whether a date stands at `k`: the week of the 15th, of may 3."""
@@ -339,8 +342,11 @@ class _Reader(UnplacedReader):
             ):
                 return None
             return None if self._noun(self._at(1)) else self._make("PART", part, 1)
-        listed = self._at(-1) in ("and", "or") and self._listed("PART", "PARTDAY")
-        if listed or self._at(-1) in _LEADS_PART or self._is(*_BEFORE_PART):
+        if (
+            self._listed("PART", "PARTDAY")
+            or self._at(-1) in _LEADS_PART
+            or self._is(*_BEFORE_PART)
+        ):
             following = self._at(1)
             alone = self._at(-1) == "the" and self._at(-2) not in _LEADS_THE_PART
             if alone and self._noun(following):

@@ -7,10 +7,11 @@ import itertools
 from grammar import numbers
 from grammar import timewords as tw
 from grammar.closed import is_open, words_of
-from grammar.timedigits import CLOCK, DigitReader, TimeToken
+from grammar.timedigits import CLOCK, TimeToken
+from grammar.timelists import ListReader
 
 
-class NumberReader(DigitReader):
+class NumberReader(ListReader):
     """Reads the numbers of a spoken time by their neighbours."""
 
     def _meridiem(self) -> TimeToken | None:
@@ -128,7 +129,7 @@ class NumberReader(DigitReader):
         if not value:
             return None
         previous = self._at(-1)
-        if self._is("EDGE"):
+        if self._is("EDGE", "QUARTER") or self._listed("YEAR"):
             return self._make("YEAR", value, count)
         if self._is("MONTH", "DAY_AFTER", "MONTH_OF", "HOLIDAY", "SEASON", "ORD", "DAY_BEFORE"):
             return self._make("YEAR_OF", value, count)
@@ -185,16 +186,10 @@ class NumberReader(DigitReader):
         if self._is("MONTH_OF"):
             return self._make("DAY_AFTER", value, count)
         leads = self._at(-1) in tw.LEADS_DAY and self.word[:1].isdecimal()
-        listed = self._at(-1) in ("and", "or") and self._listed("DAY_AFTER", "ORD")
-        leads = leads or listed or self._at(-1) == "the"
+        leads = leads or self._listed("DAY_AFTER", "ORD") or self._at(-1) == "the"
         if not leads and not self._is("WEEKDAY", "_AND", "_TO"):
             return None
         return None if self._noun(following) else self._make("ORD", value, count)
-
-    def _listed(self, *kinds: str) -> bool:
-        """Whether the word before joins this one to a token of one of `kinds`."""
-        before = self.before[-2] if len(self.before) > 1 and self.before[-1] is None else None
-        return before is not None and before.type in kinds
 
     def _year_at(self, k: int) -> bool:
         """Whether a year or `of last year` stands at `k`, or nothing goes on: the first quarter."""
@@ -230,7 +225,7 @@ class NumberReader(DigitReader):
         if number is None:
             return None
         value, count = number
-        if self._at(count) == "-" and self._ranges(count + 1) and value <= 24:
+        if self._at(count) == "-" and self._ranges(count + 1) and value <= 31:
             return self._make("HOUR", value, count)
         return (
             self._day_number(value, count)
@@ -240,10 +235,12 @@ class NumberReader(DigitReader):
         )
 
     def _ranges(self, k: int) -> bool:
-        """Whether a clock time with am or pm stands at `k`, after a dash: `9-11 am`."""
+        """Whether what ends a range stands at `k`, after a dash: `9-11 am`, `3-5 may`."""
         number = numbers.cardinal(self.words, self.i + k) if self._at(k) else None
         if CLOCK.match(self._at(k)):
             return self._meridiem_at(k + 1)
+        if number is not None and self._at(k + number[1]) in tw.MONTH_NUMBER:
+            return True
         return number is not None and self._at(k + number[1]) in (
             "am",
             "pm",

@@ -73,13 +73,17 @@ def _longest(run: list[TimeToken], start: int, words: list[str]) -> tuple[Spoken
             return None
         said, reach = _parse(kept)
         if said is not None and not _false_friend(run, start, stop, words):
-            closing = stop < len(run) and run[stop].value in ("sharp", "exactly", "precisely")
+            closing = stop < len(run) and run[stop].value in _CLOSING
             return said, stop + closing
         bad = kept[reach] if said is None and reach < len(kept) else kept[-1]
         stop = min(stop - 1, run.index(bad) if said is None and reach else stop - 1)
         if said is None and reach == 0:
             return None
     return None
+
+
+_CLOSING = ("sharp", "exactly", "precisely", "promptly")
+"""What may follow a clock time and say that it is meant to the minute."""
 
 
 def _any_time(token: TimeToken, start: int, words: list[str]) -> tuple[SpokenTime, int] | None:
@@ -105,7 +109,7 @@ def _false_friend(run: list[TimeToken], start: int, stop: int, words: list[str])
     """Whether the words are part of a noun phrase: `the second cup`, `my sunday hat`."""
     last = run[stop - 1]
     following = words[last.last] if last.last < len(words) else ""
-    if not is_open(following):
+    if not is_open(following) or following in _CLOSING:
         return False
     led = run[start].type == "LINK" and run[start].value not in ("the", "of", ",")
     kept = [t for t in run[start:stop] if t.type != "LINK"]

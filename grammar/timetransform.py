@@ -246,7 +246,7 @@ class TimeForms:
         return Date(None, month.value, last=True)
 
     def month_day(self, month: Token, day: Token, *year: Token) -> Date:
-        """day: MONTH_OF DAY_AFTER YEAR_OF?."""
+        """day: _LAST? MONTH_OF DAY_AFTER YEAR_OF?."""
         return Date(year[0].value if year else None, month.value, day.value)
 
     def day_month(self, day: Token, month: Token, *year: Token) -> Date:
@@ -302,6 +302,10 @@ class TimeForms:
     def nth_weekday(self, number: Token, weekday: Token) -> Nth:
         """span: NTH WEEKDAY."""
         return Nth(number.value, "weekday", weekday.value)
+
+    def quarter(self, number: Token) -> Nth:
+        """span: _LAST? QUARTER. Without a year the last one begun, as for any other time."""
+        return Nth(number.value, "quarter")
 
     def year(self, token: Token) -> Date:
         """span: YEAR."""

@@ -23,6 +23,7 @@ _WORD = re.compile(
     r"|\d{1,2}/\d{1,2}(?![\d/])"  # 5/15
     r"|\d{1,2}[:.]\d{2}(?::\d{2})?(?!\d)"  # 12:30
     r"|[a-zA-Z]{3,9}-\d{1,2}(?!\d)"  # oct-28
+    r"|\d{1,2}[hH]\d{2}\b"  # 18h30
     r"|\d+(?:st|nd|rd|th)\b"
     r"|\b[a-zA-Z]\d{1,2}\b"  # a4
     r"|\d{3}0s\b"
@@ -123,9 +124,19 @@ _DATED = re.compile(
 )
 
 
+_CLOCK_ENDS = frozenset(("am", "pm", *tw.FIXED_CLOCKS)) - {"mid-day"}
+
+
 def _dashed(word: Word) -> list[Word]:
     """Take `oct-28`, `28-oct` and `monday-friday` apart; other words keep their hyphens."""
     left, _, right = word.text.partition("-")
+    if left in _CLOCK_ENDS and (right in _CLOCK_ENDS or right.isdecimal()):
+        middle = word.start + len(left)
+        return [
+            replace(word, text=left, end=middle),
+            Word("-", middle, middle + 1),
+            replace(word, text=right, start=middle + 1),
+        ]
     if left.isdecimal() and right.isalpha() and _DATED.match(right):
         middle = word.start + len(left)
         return [

@@ -100,6 +100,24 @@ def clock(moment: datetime | None) -> str:
         ("two till four", "2016-11-07 14:00", "2016-11-07 16:00"),
         ("before three and after one", "2016-11-07 13:00", "2016-11-07 15:00"),
         ("yesterday after one and before three", "2016-11-06 13:00", "2016-11-06 15:00"),
+        ("in q2", "2016-04-01 00:00", "2016-07-01 00:00"),
+        ("in Q4", "2016-10-01 00:00", "2017-01-01 00:00"),
+        ("in q3 2015", "2015-07-01 00:00", "2015-10-01 00:00"),
+        ("last q1", "2016-01-01 00:00", "2016-04-01 00:00"),
+        ("in q2 of last year", "2015-04-01 00:00", "2015-07-01 00:00"),
+        ("10am-noon", "2016-11-07 10:00", "2016-11-07 12:00"),
+        ("yesterday noon-3pm", "2016-11-06 12:00", "2016-11-06 15:00"),
+        ("on 3-5 may", "2016-05-03 00:00", "2016-05-06 00:00"),
+        ("28 - 30 october 2015", "2015-10-28 00:00", "2015-10-31 00:00"),
+        ("last may 29", "2016-05-29 00:00", "2016-05-30 00:00"),
+        ("on fri 4 nov at 18h30", "2016-11-04 18:30", "2016-11-04 18:30"),
+        ("at eleven sharp", "2016-11-07 11:00", "2016-11-07 11:00"),
+        ("from 7 a.m. onwards yesterday", "2016-11-06 07:00", "2016-11-07 00:00"),
+        ("on the 4th, 5th or 6th", "2016-11-04 00:00", "2016-11-07 00:00"),
+        ("on the 4th, the 5th and the 6th of may", "2016-05-04 00:00", "2016-05-07 00:00"),
+        ("on tuesday, wednesday and thursday", "2016-11-01 00:00", "2016-11-04 00:00"),
+        ("in may, june or july", "2016-05-01 00:00", "2016-08-01 00:00"),
+        ("in 2013, 2014 or 2015", "2013-01-01 00:00", "2016-01-01 00:00"),
     ],
 )
 def test_spoken_time(said: str, start: str, end: str) -> None:
@@ -160,6 +178,21 @@ def test_this_morning_belongs_to_the_day_that_ended_until_four(hour: int, day: i
 def test_a_weekday_said_on_that_day_is_today() -> None:
     assert clock(slice_of("on monday").start) == "2016-11-07 00:00"
     assert clock(slice_of("last monday").start) == "2016-10-31 00:00"
+
+
+@pytest.mark.parametrize("said", ["on the 4th or 6th", "on the 4th or on the 6th"])
+def test_days_that_lie_apart_are_offered_one_at_a_time(said: str) -> None:
+    with pytest.raises(Ambiguous) as caught:
+        slice_of(said)
+    assert caught.value.suggestions == (
+        "where was the cup on the 4th",
+        "where was the cup on the 6th",
+    )
+
+
+@pytest.mark.parametrize("said", ["where is the q1 report", "where is my q3"])
+def test_a_quarter_is_a_time_where_one_is_due(said: str) -> None:
+    assert parse(said, now=MONDAY).time is None
 
 
 def test_a_clock_time_that_has_not_come_is_yesterdays() -> None:
