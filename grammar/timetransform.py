@@ -80,6 +80,12 @@ class TimeForms:
         """bound: _FROM side _ONWARD."""
         return Bound("since", (pieces,))
 
+    def from_alone(self, pieces: Pieces) -> Bound:
+        """bound: _FROM side. From noon is since noon; a day's cup may be the cup of that day."""
+        if any(isinstance(piece, Clock) for piece in pieces):
+            return Bound("since", (pieces,))
+        return Bound("since", ((Unplaced("say since when, or from when until when"),),))
+
     def either_ago(self, most: Token, least: Token, unit: Token) -> Bound:
         """bound: COUNT_OR COUNT UNIT _AGO."""
         far, near = sorted((float(most.value), float(least.value)), reverse=True)

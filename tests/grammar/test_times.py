@@ -112,6 +112,8 @@ def clock(moment: datetime | None) -> str:
         ("last may 29", "2016-05-29 00:00", "2016-05-30 00:00"),
         ("on fri 4 nov at 18h30", "2016-11-04 18:30", "2016-11-04 18:30"),
         ("at eleven sharp", "2016-11-07 11:00", "2016-11-07 11:00"),
+        ("from 3 pm", "2016-11-07 15:00", "-"),
+        ("from noon on friday", "2016-11-04 12:00", "-"),
         ("from 7 a.m. onwards yesterday", "2016-11-06 07:00", "2016-11-07 00:00"),
         ("on the 4th, 5th or 6th", "2016-11-04 00:00", "2016-11-07 00:00"),
         ("on the 4th, the 5th and the 6th of may", "2016-05-04 00:00", "2016-05-07 00:00"),
@@ -188,6 +190,11 @@ def test_days_that_lie_apart_are_offered_one_at_a_time(said: str) -> None:
         "where was the cup on the 4th",
         "where was the cup on the 6th",
     )
+
+
+def test_a_day_that_only_begins_a_time_is_refused_with_what_to_say() -> None:
+    with pytest.raises(NotUnderstood, match="say since when"):
+        slice_of("from monday")
 
 
 @pytest.mark.parametrize("said", ["where is the q1 report", "where is my q3"])
