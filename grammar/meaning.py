@@ -137,7 +137,8 @@ def query(
     if ask in _CHANGES and relation is not None and relation.kind == "together":
         raise MeaningError("it tells what moved or is missing, not together with what")
     chosen: Select = select or meaning.select or "all"
-    if chosen == "all" and meaning.newest and time is None and ask == "where":
+    unsaid = select is None and meaning.select is None
+    if unsaid and meaning.newest and time is None and ask == "where":
         chosen = "last"
     form = form_of(ask, relation, time, place, chosen)
     return FormalQuery(

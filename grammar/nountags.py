@@ -17,7 +17,11 @@ KIN = words_of(
 )
 """People by their kinship: what they do is no business of a memory of things."""
 _MEASURES = words_of("piece pair set bunch pack stack pile roll kind type sort group collection")
-_PICTURES = words_of("picture photo photograph image snapshot shot footage pic keyframe")
+PICTURES = words_of(
+    "picture photo photograph image snapshot shot footage pic keyframe sighting observation "
+    "detection appearance occurrence"
+)
+"""What a memory keeps of things: the things themselves are asked for."""
 _PLACE_WORDS = words_of("in at inside from within into to around of throughout across on")
 ON_PLACES = frozenset(
     (
@@ -234,7 +238,7 @@ class NounTagger(ClauseTagger):
             self._emit("OWNED", self._text(k), 2)  # the bag of anna
             return True
         measured = self.out.tags[-1].value
-        if isinstance(measured, Noun) and measured.said in _PICTURES and self._shown():
+        if isinstance(measured, Noun) and measured.said in PICTURES and self._shown():
             self.out.tags.pop()  # any photos of my keys
             while self._last() == "DET":
                 self.out.tags.pop()
@@ -261,7 +265,7 @@ class NounTagger(ClauseTagger):
         text = self._text(k)
         kind = self.lexicon.singular(text)
         person = text in self.lexicon.names or kind in (PEOPLE if k > self.i else KIN)
-        if not person:
+        if not person and (kind != "camera" or k == self.i):
             return False
         after = k + 1
         while self._text(after) in (
@@ -279,10 +283,16 @@ class NounTagger(ClauseTagger):
             TIME_GAP,
         ):
             after += 1
-        if self._text(after) in phrases().verbs and not self._moves(after):
+        verb = self._text(after) in phrases().verbs and not self._moves(after)
+        if self._sees(after) if kind == "camera" else verb:
             self._emit("WHO", text, k + 1 - self.i)
             return True
         return False
+
+    def _sees(self, k: int) -> bool:
+        """Whether a verb of seeing stands at `k`: what the camera saw; else it is a thing."""
+        seeing = any(t in ("SEE", "FINDS") for _, t in phrases().by_first.get(self._text(k), ()))
+        return seeing and self._last() != "BE"
 
     def _moves(self, k: int) -> bool:
         """Whether the verb at `k` has no object: the dog that went is the thing asked for."""

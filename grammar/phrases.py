@@ -12,7 +12,7 @@ from grammar.words import Word
 STANCES = ("stands", "stood")
 _ASKING = (
     "_SHOW", "_WHERE", "_FIND", "_HOWMANY", "where_last", "when_last", "when_first", "what_last",
-    "what_first",
+    "what_first", "where_all", "when_all",
 )  # fmt: skip
 SUBJECT_OF = words_of(
     "about regarding concerning called named titled entitled labeled labelled marked saying "

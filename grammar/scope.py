@@ -116,16 +116,17 @@ def without_purpose(words: list[Word]) -> list[Word]:
 
 
 def _last_saw(words: list[Word]) -> list[Word]:
-    """Read `when you last saw it` at the end as the word last."""
+    """Read `when you last saw it` at the end as the word last, and the first time as first."""
     texts = [w.text for w in words]
-    for opening in (
-        ["the", "last", "time", "you"],
-        ["when", "you", "last"],
-        ["when", "last", "you"],
-    ):
-        for i in range(3, len(texts) - len(opening)):
-            if texts[i : i + len(opening)] == opening:
-                return [*words[:i], replace(words[i], text="last")]
+    for which in ("last", "first"):
+        for opening in (
+            ["the", which, "time", "you"],
+            ["when", "you", which],
+            ["when", which, "you"],
+        ):
+            for i in range(3, len(texts) - len(opening)):
+                if texts[i : i + len(opening)] == opening:
+                    return [*words[:i], replace(words[i], text=which)]
     return words
 
 

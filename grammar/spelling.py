@@ -15,6 +15,7 @@ from grammar import numbers, phrases, scope
 from grammar import timewords as tw
 from grammar.closed import CLOSED, is_open, words_of
 from grammar.forms import Correction
+from grammar.nountags import PICTURES
 from grammar.vocabulary import Lexicon, StoreWords, files, inflection, lexicon
 from grammar.words import Word
 
@@ -47,7 +48,7 @@ def known(words: StoreWords) -> frozenset[str]:
     """Return every word that needs no correction."""
     lex = lexicon(words)
     found = set(_meant(words))
-    found.update(CLOSED, lex.names, lex.parts, lex.patterns, lex.shades)
+    found.update(CLOSED, PICTURES, lex.names, lex.parts, lex.patterns, lex.shades)
     found.update(numbers.CARDINALS, numbers.ORDINALS, tw.UNITS, tw.MONTH_NUMBER)
     found.update(tw.WEEKDAY_NUMBER, tw.SEASONS, tw.HOLIDAYS, tw.FIXED_CLOCKS)
     found |= _words_in((*tw.PHRASES, *tw.HOLIDAYS, *phrases.spoken(), *scope.spoken()))

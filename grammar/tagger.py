@@ -133,7 +133,16 @@ class Tagger(OpenTagger):
     def _fits(self, terminal: str, said: str, following: int) -> bool:
         """Whether a phrase may be what it looks like, by what stands before and after it."""
         match terminal:
-            case "seen_alone" | "where_last" | "what_last" | "what_first":
+            case (
+                "seen_alone"
+                | "where_last"
+                | "what_last"
+                | "what_first"
+                | "when_last"
+                | "when_first"
+            ):
+                return not self.out.tags
+            case "where_all" | "when_all":
                 return not self.out.tags
             case "any_alone":
                 verbal = any(w.text in AUXILIARIES for w in self.words)
@@ -180,6 +189,9 @@ class Tagger(OpenTagger):
             case "when_last" | "when_first":
                 self.out.select = "last" if terminal == "when_last" else "first"
                 self._emit("_WHEN", said, size)
+            case "where_all" | "when_all":
+                self.out.select = "all"
+                self._emit(f"_{terminal.removesuffix('_all').upper()}", said, size)
             case "same_place":
                 self._emit("SIDE_BY_SIDE", "same_place", size)
             case "SIDE_BY_SIDE":

@@ -112,7 +112,8 @@ class NumberReader(ListReader):
             word in _CLOSES_FROM or (word == "to" and before not in _NEXT_TO)
             for before, word in itertools.pairwise(["", *rest])
         )
-        return not ends and rest[-1] != "on" and (rest[0] in _THEN or "ago" in rest)
+        then = rest[1] if rest[0] == "the" and len(rest) > 1 else rest[0]
+        return not ends and rest[-1] != "on" and (then in _THEN or "ago" in rest)
 
     def _open(self, opens: str, closes: str) -> bool:
         """Whether an `opens` token still waits for its `closes`."""
@@ -386,7 +387,19 @@ _PAST = words_of("was were been did do does have has had moved changed gone")
 _CLOSES_FROM = words_of("until till til through thru - onward onwards forward and")
 _NEXT_TO = words_of("next close left right nearest closest")
 _THEN = frozenset(
-    ("yesterday", "today", "tonight", "earlier", "last", "this", *tw.WEEKDAYS, *tw.MONTHS)
+    (
+        "yesterday",
+        "today",
+        "tonight",
+        "earlier",
+        "last",
+        "past",
+        "previous",
+        "weekend",
+        "this",
+        *tw.WEEKDAYS,
+        *tw.MONTHS,
+    )
 )
 _ENDS_RANGE = ("to", "until", "till", "til")
 _TIMELY = ("today", "yesterday", "tonight", "ago", "am", "pm", "sharp", "ish", "earlier", "later")

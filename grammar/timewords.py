@@ -143,6 +143,7 @@ PHRASES: dict[str, tuple[str, object]] = {
     "ever since": ("_SINCE", 0),
     "starting": ("_SINCE", 0),
     "as of": ("_SINCE", 0),
+    **dict.fromkeys(("compared to", "compared with"), ("_SINCE", 0)),
     "until": ("_UNTIL", 0),
     "up until": ("_UNTIL", 0),
     "up to": ("_UNTIL", 0),

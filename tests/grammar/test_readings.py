@@ -182,6 +182,56 @@ def test_a_picture_that_the_memory_shows_is_no_thing_of_the_home(text: str, word
     assert read(text).objects[0].word == word
 
 
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("list all sightings of the forklift from the past 3 hours", ["forklift"]),
+        ("retrieve all observations of the yellow cone", ["cone"]),
+        ("where is the camera", ["camera"]),
+        ("was the laptop with the camera", ["laptop", "camera"]),
+        ("was the camera seen on the desk", ["camera", "desk"]),
+        ("did the camera see my keys", ["key"]),
+        ("what has the camera seen", ["thing"]),
+        ("when did your camera last see my keys", ["key"]),
+    ],
+)
+def test_the_camera_is_a_thing_where_it_sees_nothing(text: str, words: list[str]) -> None:
+    assert [t.word for t in read(text).objects] == words
+
+
+@pytest.mark.parametrize(
+    ("text", "ask", "select"),
+    [
+        ("all the places where i left my keys", "where", "all"),
+        ("list every place you saw my keys", "where", "all"),
+        ("list all the times you saw my keys", "when", "all"),
+        ("every time you saw my keys", "when", "all"),
+        ("when did you see my keys the very first time", "when", "first"),
+        ("where were my keys the first time you saw them", "where", "first"),
+        ("where did you saw last time my keys", "where", "last"),
+        ("last time you saw my keys", "when", "last"),
+        ("would you be so kind as to tell me where my keys are", "where", "last"),
+        ("would it be possible for you to list all places i left my keys", "where", "all"),
+    ],
+)
+def test_which_of_its_sightings_are_asked_for(text: str, ask: str, select: str) -> None:
+    query = read(text)
+    assert [(t.word, t.owner) for t in query.objects] == [("key", "me")]
+    assert (query.ask, query.select) == (ask, select)
+
+
+def test_compared_to_a_time_is_since_then() -> None:
+    query = read("what is different on the shelf compared to yesterday")
+    assert query.ask == "moved"
+    assert query.time is not None
+    assert f"{query.time.start:%m-%d}" == "05-13"
+    assert query.time.end is None
+
+
+def test_how_much_of_a_look_says_nothing() -> None:
+    assert read("where is the very big quite old cup").objects[0].attributes == ("big", "old")
+
+
 def test_a_floor_with_a_number_is_a_place() -> None:
     assert read("what is on the second floor").place == "second floor"
     assert read("what is on the floor").place is None
