@@ -81,6 +81,8 @@ class NounReader:
             if self._only_counts(words, k, end):
                 k += 1
                 continue
+            if pending is not None and self._is_kind(words, pending, k):
+                pending = None  # the object cup is a cup
             if pending is not None and self._is_thing(words, pending, k):
                 found += [self._noun(words, pending, k), (_other(words[k].text), k, k + 1)]
                 pending, k = None, k + 1
@@ -120,6 +122,12 @@ class NounReader:
     def _is_thing(self, words: list[Word], first: int, last: int) -> bool:
         """Whether the noun so far is `something`: what follows describes it."""
         return last == first + 1 and self.lexicon.singular(words[first].text) in THINGS
+
+    def _is_kind(self, words: list[Word], first: int, k: int) -> bool:
+        """Whether the noun so far is `object` or `item` and the word at `k` says what it is."""
+        text = words[k].text
+        named = self._known(text) and text not in self.lexicon.attributes
+        return k == first + 1 and words[first].text in ("object", "item") and named
 
     def _before_attribute(
         self, words: list[Word], first: int, last: int, more: bool

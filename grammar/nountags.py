@@ -31,6 +31,9 @@ ON_PLACES = frozenset(
 )  # fmt: skip
 """What one is on, not in."""
 _DENYING = frozenset(("no", "not", "never"))
+_BEFORE_OWNER = words_of(
+    "BE AUX SEE LEAVE FINDS DET REL AND OR _SHOW _FIND _SEEK _HOWMANY _WHERE _WHICH"
+) | {""}
 _THEIRS = frozenset(("his", "her", "their"))
 PEOPLE = KIN | words_of("kid child guest visitor boy girl man woman baby person dog cat")
 _LEADING = _PLACE_WORDS | DETERMINERS | frozenset(OWNERS)
@@ -204,6 +207,8 @@ class NounTagger(ClauseTagger):
                 self.out.tags.pop()
             self._emit("OWNER", stem if stem in self.lexicon.names else singular, 1)
             return True
+        if self._full_name():
+            return True
         if text == "of" and self._last() in ("NOUN", "ONE"):
             following = self._text(self.i + 1)
             if following in ("mine", "ours", "yours"):
@@ -220,6 +225,22 @@ class NounTagger(ClauseTagger):
             self._emit("OWNER", text[:-1], 1)
             return True
         return False
+
+    def _full_name(self) -> bool:
+        """Take an owner of several words: mrs hall's cane, aunt mary's hat, the desk lamp's shade.
+
+        Of kin and a name the name counts, as it does alone.
+        """
+        k = self.i
+        while self._open_at(k) and not self._text(k).endswith("'s"):
+            k += 1
+        several = self.i < k <= self.i + 2 and self._text(k).endswith("'s")
+        if not several or not self._open_at(k + 1) or self._last() not in _BEFORE_OWNER:
+            return False
+        said = [self._text(j) for j in range(self.i, k)]
+        named = said[1:] if self.lexicon.singular(said[0]) in KIN else said
+        self._emit("OWNER", " ".join((*named, self._text(k).removesuffix("'s"))), k + 1 - self.i)
+        return True
 
     def _doer(self) -> str:
         """Return the person said to have done it, "" where none is named: anna, my wife."""

@@ -5,12 +5,20 @@ from __future__ import annotations
 from dataclasses import replace
 
 from grammar import numbers
-from grammar.closed import is_open
+from grammar import timewords as tw
+from grammar.closed import is_open, words_of
 from grammar.cursor import DETERMINERS, PRONOUNS, TIME_GAP
 from grammar.forms import ANYTHING
 from grammar.nouns import Attribute, Described, Noun
 from grammar.phrases import breaks
 from grammar.relationtags import RelationTagger
+
+_NUMBERED = words_of(
+    "number size type model version channel room box drawer shelf locker gate bay aisle level desk "
+    "table station bin cabinet rack row slot tray dock door unit crate container pallet machine "
+    "printer lane zone bed ward seat cupboard case compartment hook bench cell cone marker sample"
+)
+"""What has its number said after it: shelf 2, box three."""
 
 
 class OpenTagger(RelationTagger):
@@ -33,6 +41,8 @@ class OpenTagger(RelationTagger):
         if text in PRONOUNS and self.it is not None and not self._goes_on(self.i + 1):
             self._emit("NOUN", Noun(self.it.category, self.it.word, True, self.it), 1)
             return True
+        if text in DETERMINERS and self._apposed():
+            return True
         if text in DETERMINERS:
             asked = [t.type for t in self.out.tags] == ["_WHAT", "BE"]
             if asked and (self._relation_at(self.i + 1) or self._text(self.i + 1) == "in"):
@@ -48,7 +58,7 @@ class OpenTagger(RelationTagger):
             self._emit("ONE", text, 1)
             return True
         number = numbers.cardinal([w.text for w in self.words[self.i : self.i + 2]], 0)
-        if number is not None and self._measured(*number):
+        if number is not None and (self._measured(*number) or self._numbered(number[1])):
             return True
         if number is not None:
             self._emit("NUMBER", number[0], number[1])
@@ -69,6 +79,46 @@ class OpenTagger(RelationTagger):
             if isinstance(what, Noun) and what.said == "glasses" and self._counted():
                 what = Noun("glass", "glass", known=True)  # what is counted is to drink from
             self._emit("NOUN" if isinstance(what, Noun) else "ATTR", what, last - first)
+        return True
+
+    def _apposed(self) -> bool:
+        """Read the one that is said after its kind: the box, the cardboard one."""
+        kinds = [t.type for t in self.out.tags[-2:]]
+        end = self.i + 1
+        while self._open_at(end):
+            end += 1
+        if "NOUN" not in (kinds[-1:] if kinds[-1:] != ["COMMA"] else kinds[:1]):
+            return False
+        if self._text(end) not in ("one", "ones") or end == self.i + 1:
+            return False
+        thing = replace(self.words[end], text="thing")
+        found = self.reader.read([*self.words[:end], thing], self.i + 1)
+        if not all(isinstance(what, Attribute) for what, _, _ in found[:-1]):
+            return False
+        if kinds[-1] == "COMMA":
+            self.out.tags.pop()
+        self._emit("_THAT_IS", 0, 1)
+        for what, _, last in found[:-1]:
+            self._emit("ATTR", what, last - self.i)
+        self.i = end + 1
+        return True
+
+    def _numbered(self, size: int) -> bool:
+        """Read a number that names one of its kind as part of its noun: shelf 2, size 12 shoe."""
+        noun = self.out.tags[-1].value if self._last() == "NOUN" else None
+        k = self.i + size
+        unit = self._text(k) in tw.UNITS or self._text(k) in ("time", "times")
+        if not isinstance(noun, Noun) or unit or self._text(self.i - 1) in (TIME_GAP, ","):
+            return False
+        head = noun.said.rpartition(" ")[2]
+        if self._text(self.i - 1) != head or not (head in _NUMBERED or self._goes_on(k)):
+            return False
+        end = self.reader.read(self.words, k)[-1][2] if self._goes_on(k) else k
+        rest = " ".join(w.text for w in self.words[self.i : end])
+        said = self.lexicon.singular(f"{noun.said} {rest}")
+        first = self.out.tags.pop()
+        self.out.tags.append(replace(first, value=Noun(self.lexicon.canonical(said), said, True)))
+        self.i = end
         return True
 
     def _measured(self, number: int, size: int) -> bool:

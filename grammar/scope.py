@@ -294,7 +294,7 @@ def refuse_late(text: str, found: FormalQuery, rest: list[Word], lexicon: Lexico
 def _predicated(found: FormalQuery, said: list[str], lexicon: Lexicon) -> bool:
     """Whether the last word is said of the subject: `is the plant on the windowsill healthy`."""
     ground, _, last = found.objects[-1].word.rpartition(" ") if found.objects else ("", "", "")
-    known = ground in lexicon.nouns or ground in lexicon.places
+    known = is_open(last) and (ground in lexicon.nouns or ground in lexicon.places)
     return "there" not in said and last == said[-1] and known and last not in lexicon.heads
 
 

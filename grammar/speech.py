@@ -114,7 +114,7 @@ def plain(words: list[Word], lexicon: Lexicon) -> list[Word]:
     """Return the words of one sentence without what changes nothing."""
     words = _joined(_heard(_without_fillers(words)), lexicon)
     words = corrected(words, lexicon)
-    words = _without_stutter(_without_false_starts(words))
+    words = _without_stutter(_without_false_starts(words), lexicon)
     return _located(_closed(_without_thought(_opened(words))))
 
 
@@ -229,7 +229,7 @@ def _without_false_starts(words: list[Word]) -> list[Word]:
     return words
 
 
-def _without_stutter(words: list[Word]) -> list[Word]:
+def _without_stutter(words: list[Word], lexicon: Lexicon) -> list[Word]:
     """Take out a word or up to four words said twice in a row: `where is where is the the cup`."""
     kept = words
     for size in (4, 3, 2, 1):
@@ -238,7 +238,9 @@ def _without_stutter(words: list[Word]) -> list[Word]:
         while i < len(kept):
             here = [w.text for w in kept[i : i + size]]
             again = [w.text for w in kept[i + size : i + 2 * size]]
-            if here == again and len(here) == size and not _meant_twice(here):
+            after = kept[i + 2 * size].text if i + 2 * size < len(kept) else ""
+            twice = here == again and len(here) == size
+            if twice and not (_meant_twice(here) or _looks_like_itself(here, after, lexicon)):
                 i += size
                 continue
             out.append(kept[i])
@@ -250,6 +252,12 @@ def _without_stutter(words: list[Word]) -> list[Word]:
 def _meant_twice(said: list[str]) -> bool:
     """Whether a repetition may be meant: `twenty twenty`, `that that`."""
     return all(word in numbers.CARDINALS or word.isdecimal() for word in said) or said == [","]
+
+
+def _looks_like_itself(said: list[str], after: str, lexicon: Lexicon) -> bool:
+    """Whether a look and its thing are one word: the orange orange, the glass glass."""
+    one = said[0] if len(said) == 1 else ""
+    return one in lexicon.attributes and one in lexicon.nouns and not is_open(after)
 
 
 def _opened(words: list[Word]) -> list[Word]:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from functools import lru_cache
 
 from grammar.forms import ANYTHING, RelationKind
+from grammar.numbers import CARDINALS
 from grammar.vocabulary import files, inflection
 
 THINGS = frozenset(
@@ -86,11 +87,14 @@ class Lexicon:
     def wider(self, category: str) -> tuple[str, ...]:
         """Return the words that take in `category` and more, nearest first.
 
-        A compound that the files do not list is a kind of its last word: `fruit bowl`, `bowl`.
+        A compound that the files do not list is a kind of its last word: `fruit bowl`, `bowl`;
+        with a number after it, of the word before: `shelf 2`, `shelf`.
         """
         if category in self.broader:
             return self.broader[category]
-        _, _, head = category.rpartition(" ")
+        kind, _, head = category.rpartition(" ")
+        if head.isdecimal() or head in CARDINALS:
+            head = kind
         if head and head != category:
             general = self.canonical(head)
             return (general, *self.broader.get(general, ()))

@@ -220,6 +220,70 @@ def test_which_of_its_sightings_are_asked_for(text: str, ask: str, select: str) 
     assert (query.ask, query.select) == (ask, select)
 
 
+@pytest.mark.parametrize(
+    ("text", "owner"),
+    [
+        ("where is Mrs Hall's walking stick", "mrs hall"),
+        ("did you see Anna Smith's walking stick", "anna smith"),
+        ("where is the office manager's walking stick", "office manager"),
+        ("where is aunt mary's walking stick", "mary"),
+        ("where did the kids leave dad's walking stick", "dad"),
+    ],
+)
+def test_an_owner_may_have_several_words(text: str, owner: str) -> None:
+    assert [(t.word, t.owner) for t in read(text).objects] == [("walking stick", owner)]
+
+
+@pytest.mark.parametrize(
+    ("text", "attributes", "without"),
+    [
+        ("where is the box, the cardboard one", ("cardboard",), ()),
+        ("where is the box the cardboard one not the wooden one", ("cardboard",), ("wooden",)),
+        ("where is the box, the light blue one?", ("light blue",), ()),
+        ("did you see the box the big striped one yesterday", ("big", "striped"), ()),
+        ("where is the object box", (), ()),
+        ("show me the red item box", ("red",), ()),
+    ],
+)
+def test_which_one_may_be_said_after_its_kind(
+    text: str, attributes: tuple[str, ...], without: tuple[str, ...]
+) -> None:
+    (term,) = read(text).objects
+    assert (term.category, term.attributes, term.without) == ("box", attributes, without)
+
+
+@pytest.mark.parametrize(
+    ("text", "attributes"),
+    [
+        ("where is the orange orange", ("orange",)),
+        ("where is the the orange", ()),
+        ("where is the orange orange orange", ("orange",)),
+    ],
+)
+def test_a_look_and_its_thing_may_be_one_word(text: str, attributes: tuple[str, ...]) -> None:
+    (term,) = read(text).objects
+    assert (term.category, term.attributes) == ("orange", attributes)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("where is my number two pencil", ["number two pencil"]),
+        ("what is on shelf 2", ["thing", "shelf 2"]),
+        ("what was in box three yesterday", ["thing", "box three"]),
+        ("is my iphone 12 case in drawer 4", ["iphone 12 case", "drawer 4"]),
+    ],
+)
+def test_a_number_after_a_noun_names_one_of_its_kind(text: str, words: list[str]) -> None:
+    assert [t.word for t in read(text).objects] == words
+
+
+@pytest.mark.parametrize("text", ["where was the cup 3", "did you see the cup 3 times"])
+def test_a_number_that_may_be_a_time_is_not_part_of_a_noun(text: str) -> None:
+    with pytest.raises(QuestionError):
+        read(text)
+
+
 def test_compared_to_a_time_is_since_then() -> None:
     query = read("what is different on the shelf compared to yesterday")
     assert query.ask == "moved"

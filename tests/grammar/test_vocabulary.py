@@ -124,7 +124,8 @@ def test_relations_are_of_the_contract() -> None:
 def test_phrases_are_terminals_of_the_grammar() -> None:
     own = {
         "drop", "last", "first", "usual", "negative", "where_room", "where_last", "when_last",
-        "when_first", "same_place", "seen_alone", "any_alone", "what_last", "what_first",
+        "when_first", "where_all", "when_all", "same_place", "seen_alone", "any_alone", "what_last",
+        "what_first",
         "BE_PRESENT", "BE_PAST", "AUX_DO",
         "AUX_DID", "AUX_HAVE", "AUX_CAN", "stands", "stood",
     }  # fmt: skip
@@ -183,3 +184,8 @@ def test_no_noun_stands_in_two_lines() -> None:
     lines = [line.partition(">")[0] for line in files.lines("nouns.txt")]
     said = [word for line in lines for word in {*files.split(line.replace("=", ","))}]
     assert [word for word, count in Counter(said).items() if count > 1] == []
+
+
+def test_a_noun_with_a_number_is_a_kind_of_the_noun() -> None:
+    assert lexicon().wider("shelf 2")[0] == "shelf"
+    assert lexicon().wider("box three")[0] == "box"
