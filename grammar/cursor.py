@@ -85,3 +85,11 @@ class Cursor:
             or (bool(text) and numbers.cardinal([text], 0) is not None)
             or text in ("all", "both", "each", "every", "it", "them")
         )
+
+    def _relation_at(self, k: int) -> bool:
+        """Whether a phrase of relation stands at `k`: `right above`, `directly next to`."""
+        return any(
+            terminal.startswith("REL ")
+            and [self._text(k + j) for j in range(len(parts))] == [*parts]
+            for parts, terminal in phrases().by_first.get(self._text(k), ())
+        )

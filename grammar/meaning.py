@@ -33,11 +33,15 @@ class Group:
 
 @dataclass(frozen=True, slots=True)
 class Related:
-    """A relation to further objects: on the table, not next to the door."""
+    """A relation to further objects: on the table, not next to the door.
+
+    of_figure: said after `and`, of the thing asked for and not of the object named last.
+    """
 
     kind: RelationKind
     group: Group
     negated: bool = False
+    of_figure: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -203,18 +207,24 @@ def _with_figure(terms: list[ObjectTerm], figures: int) -> tuple[list[ObjectTerm
 
 
 def _describe(terms: list[ObjectTerm], figures: int, item: Related) -> None:
-    """Hang a further relation on the object it describes: the last one, or for `with` the first."""
+    """Hang a further relation on the object it describes: the last one, or for `with` the first.
+
+    After `and` it is said of what is asked for: on the table and near the lamp.
+    """
     if not terms:  # "what was together next to the cup"
         raise MeaningError("a relation needs two things", state=False)
-    target = 0 if item.kind == "together" else len(terms) - 1
-    described = terms[target]
-    for term in item.group.terms:
-        if described.where is not None:
-            inner = described.where.object
-            if inner.where is not None:
-                raise MeaningError("it says too much about one thing", state=False)
-            deeper = replace(inner, where=Where(item.kind, term, item.negated))
-            described = replace(described, where=replace(described.where, object=deeper))
-        else:
-            described = replace(described, where=Where(item.kind, term, item.negated))
-    terms[target] = described
+    of_first = item.kind == "together" or item.of_figure
+    if of_first and figures > 1 and item.of_figure:
+        raise MeaningError("it says where several things are in two ways", state=False)
+    if len(item.group.terms) > 1:
+        raise MeaningError("it tells one thing by its place to several others", state=False)
+    target = 0 if of_first else len(terms) - 1
+    described, where = terms[target], Where(item.kind, item.group.terms[0], item.negated)
+    if described.where is None:
+        terms[target] = replace(described, where=where)
+        return
+    inner = described.where.object
+    if inner.where is not None or item.of_figure:
+        raise MeaningError("it says too much about one thing", state=False)
+    deeper = replace(described.where, object=replace(inner, where=where))
+    terms[target] = replace(described, where=deeper)

@@ -30,6 +30,7 @@ ON_PLACES = frozenset(
     )
 )  # fmt: skip
 """What one is on, not in."""
+_LEAST = (("at", "least"), ("more", "than"), ("no", "fewer", "than"), ("no", "less", "than"))
 _DENYING = frozenset(("no", "not", "never"))
 _BEFORE_OWNER = words_of(
     "BE AUX SEE LEAVE FINDS DET REL AND OR _SHOW _FIND _SEEK _HOWMANY _WHERE _WHICH"
@@ -44,14 +45,16 @@ class NounTagger(ClauseTagger):
 
     def _at_least(self) -> bool:
         """Take `at least two`, `more than two` before a noun as how many there must be."""
-        said = [self._text(self.i), self._text(self.i + 1)]
-        if said not in (["at", "least"], ["more", "than"]) or self._text(self.i - 1) in _DENYING:
+        here = [self._text(self.i + k) for k in range(3)]
+        said = next((s for s in _LEAST if here[: len(s)] == [*s]), ())
+        if not said or self._text(self.i - 1) in _DENYING:
             return False
-        number = numbers.cardinal([w.text for w in self.words[self.i + 2 : self.i + 4]], 0)
+        k = self.i + len(said)
+        number = numbers.cardinal([w.text for w in self.words[k : k + 2]], 0)
         least = number[0] + (said[0] == "more") if number is not None else 0
-        if number is None or least < 2 or not self._open_at(self.i + 2 + number[1]):
+        if number is None or least < 2 or not self._open_at(k + number[1]):
             return False
-        self._emit("NUMBER", least, 2 + number[1])
+        self._emit("NUMBER", least, len(said) + number[1])
         return True
 
     def _or(self) -> bool:
@@ -129,6 +132,9 @@ class NounTagger(ClauseTagger):
     def _negation(self) -> bool:
         """Lift `not` out, unless it denies a word of a noun phrase."""
         text = self._text(self.i)
+        if text == "not" and self._last() == "AND" and self._relation_at(self.i + 1):
+            self._emit("THAT_NOT", 0, 1)  # on the table and not near the lamp
+            return True
         if text == "not":
             if not self._denial(self.i + 1):
                 self.out.negated = True

@@ -7,11 +7,11 @@ from datetime import datetime
 from functools import lru_cache
 from typing import Any
 
-from grammar import antecedent, lalr, scope, speech, tagger, timespan
+from grammar import antecedent, lalr, purpose, scope, speech, tagger, timespan
 from grammar.cursor import TIME_GAP, Tagged
 from grammar.errors import Ambiguous, NotUnderstood, OutOfScope, QuestionError
 from grammar.forms import FormalQuery, ObjectTerm, TimeSlice
-from grammar.meaning import Meaning, MeaningError, query, readings
+from grammar.meaning import Meaning, MeaningError, form_of, query, readings
 from grammar.suggestions import suggestions
 from grammar.transform import Meanings
 from grammar.vocabulary import Lexicon
@@ -36,6 +36,20 @@ def capped(text: str) -> list[Word]:
         position = found[MAX_WORDS].start
         raise NotUnderstood(text, position, f"The question has more than {MAX_WORDS} words.")
     return found
+
+
+def _told_when(asked: FormalQuery, told: FormalQuery | None, words: list[Word]) -> FormalQuery:
+    """Return what was asked, of the time told before it: i left it here yesterday, where was it.
+
+    What is asked of the present, or of the newest sighting, is of no time.
+    """
+    past = any(w.text in ("was", "were", "did") for w in words)
+    if told is None or told.time is None or asked.time is not None or asked.ask != "where":
+        return asked
+    if not past or asked.select in ("last", "first") or told.objects[:1] != asked.objects[:1]:
+        return asked
+    form = form_of(asked.ask, asked.relation, told.time, asked.place, asked.select)
+    return replace(asked, time=told.time, form=form)
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,7 +77,8 @@ class Reading:
         for words in sentences:
             asks = scope.asks(words)
             try:
-                answer = self.sentence(words, it)
+                told, answer = answer, self.sentence(words, it)
+                answer = _told_when(answer, told, words)
                 it = answer.objects[0] if answer.objects else it
             except QuestionError as error:
                 it = it if asks else antecedent.spoken_of(words, self.lexicon) or it
@@ -99,7 +114,7 @@ class Reading:
             from grammar import placing  # half of the questions name no time and need no clock
 
             rest, slice_, present = placing.placed(self, words, times)
-        rest = scope.without_purpose(rest)
+        rest = purpose.without_purpose(rest)
         scope.refuse_early(self.text, words, rest, self.lexicon, it)
         tagged = tagger.tag(rest, self.lexicon, it)
         if present:  # where is it now asks for the newest sighting, as where is it does

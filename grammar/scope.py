@@ -6,10 +6,9 @@ the robot's doings, the weather and the future are out of scope; noise is not un
 
 from __future__ import annotations
 
-from dataclasses import replace
 from functools import lru_cache
 
-from grammar import speech
+from grammar import numbers, speech
 from grammar import timewords as tw
 from grammar.closed import is_open, words_of
 from grammar.cursor import DETERMINERS, OWNERS, PRONOUNS, TIME_GAP, Tagged
@@ -28,14 +27,6 @@ _ASKING = words_of(
 )
 _DOERS = ("i", "we", "you", "someone", "one")
 _WHERE_VERBS = frozenset(["find", "see", "look", "search", "locate"])
-_NO_VERBS = words_of("left right the a an my your our his her their its this that me you be")
-
-
-_NO_PURPOSE = words_of(
-    "something anything place somewhere anywhere want need thing way spot belonging belongs "
-    "belonged happen happened going able supposed used like next close adjacent attached "
-    "opposite similar nearest closest"
-)
 
 
 @lru_cache(maxsize=1)
@@ -72,69 +63,6 @@ def asks(words: list[Word]) -> bool:
     return bool(words) and (words[0].text in _ASKING or words[0].text == speech.SEEK)
 
 
-_WENT = words_of("was were had did went left came got took ate slept woke fell lost made")
-
-
-def _past(verb: str) -> bool:
-    """Whether a verb tells what has happened: before i went out is a time, before i go none."""
-    return verb in _WENT or verb.endswith("ed")
-
-
-def without_purpose(words: list[Word]) -> list[Word]:
-    """Cut off what only says why one asks: `so i can watch tv`, `to put some snacks`."""
-    texts = [w.text for w in words]
-    if texts[-2:] in (["saw", "it"], ["saw", "them"]) and "you" in texts[-4:]:
-        return _last_saw(words)
-    for i in range(3, len(texts) - 3):
-        user = texts[i] == "for" and (texts[i + 1] in DETERMINERS or texts[i + 1] in OWNERS)
-        if user and is_open(texts[i + 2]) and texts[i + 3] == "to":
-            return words[:i]  # for the guest to use
-    if not texts or texts[0] not in ("where", "whereabouts", speech.SEEK, "have", "did", "when"):
-        return words
-    for i in range(2, len(texts)):
-        rest = texts[i + 1 : i + 3]
-        if (
-            texts[i] in ("so", "because", "cause", "before")
-            and rest
-            and rest[0] in ("i", "we", "that")
-            and not (texts[i] == "before" and _past(rest[-1]))
-        ):
-            return words[:i]
-        if (
-            texts[i] in ("i", "we")
-            and rest
-            and rest[0] in ("want", "need", "have", "would", "am")
-            and _complete(texts[:i])
-        ):
-            return words[:i]
-        infinitive = texts[i] == "to" and bool(rest) and rest[0] not in _NO_VERBS
-        if infinitive and i >= 3 and is_open(texts[i - 1]) and texts[i - 1] not in _NO_PURPOSE:
-            return words[:i]
-        if texts[i] == "in" and rest[:2] == ["order", "to"]:
-            return words[:i]
-    return words
-
-
-def _last_saw(words: list[Word]) -> list[Word]:
-    """Read `when you last saw it` at the end as the word last, and the first time as first."""
-    texts = [w.text for w in words]
-    for which in ("last", "first"):
-        for opening in (
-            ["the", which, "time", "you"],
-            ["when", "you", which],
-            ["when", which, "you"],
-        ):
-            for i in range(3, len(texts) - len(opening)):
-                if texts[i : i + len(opening)] == opening:
-                    return [*words[:i], replace(words[i], text=which)]
-    return words
-
-
-def _complete(texts: list[str]) -> bool:
-    """Whether a clause may be over: it has a noun, and no verb waits for its subject."""
-    return is_open(texts[-1]) and len(texts) >= 3
-
-
 # -- refusals -------------------------------------------------------------------------------------
 
 
@@ -157,6 +85,10 @@ def refuse_early(
         raise _out(text, words[-1], "It knows no states of things", rest, lexicon)
     if _use_asked(texts) or _usable(texts) or _in_sight(texts):
         raise _out(text, words[0], "A memory of sightings gives no advice", rest, lexicon)
+    most = _at_most([w.text for w in rest])
+    if most is not None:
+        reason = "I look for a number of things or for at least as many; ask how many there are"
+        raise _out(text, rest[most], reason, rest, lexicon)
     for opening, excuses in _openings():
         if tuple(texts[: len(opening)]) != opening:
             continue
@@ -166,6 +98,22 @@ def refuse_early(
         raise _out(text, words[len(opening) - 1], _REASON, rest, lexicon)
 
 
+def _at_most(texts: list[str]) -> int | None:
+    """Return where a number of things is bounded from above: fewer than three cups."""
+    for i in range(len(texts) - 2):
+        said = next((s for s in _BOUNDS if texts[i : i + len(s)] == [*s]), ())
+        least = i > 0 and texts[i - 1] == "no"  # no fewer than
+        said = () if least else said
+        number = numbers.cardinal(texts, i + len(said)) if said and texts[i + len(said) :] else None
+        if number is not None and is_open("".join(texts[i + len(said) + number[1] :][:1])):
+            return i
+    return None
+
+
+_BOUNDS = (
+    ("no", "more", "than"), ("not", "more", "than"), ("fewer", "than"),
+    ("less", "than"), ("at", "most"), ("up", "to"), ("a", "maximum", "of"),
+)  # fmt: skip
 _ERASING = words_of("delete forget remove")
 _REASON = "A memory of sightings knows where and when things were seen, nothing else"
 

@@ -93,6 +93,9 @@ class Tagger(OpenTagger):
         if terminal.startswith("REL "):
             return self._relation(terminal[4:], said, size)
         match terminal:
+            case "_EXCEPT" if said == "but not" and self._relation_at(self.i + size):
+                self._emit("AND", said, 1)  # on the table but not near the lamp
+                return True
             case "_EXCEPT" if said in ("but not", "and not") and self._asks_two(self.i + size):
                 self._emit("UNKNOWN", said, size)
                 return True

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from grammar.forms import ANYTHING, ObjectTerm, RelationKind
@@ -68,12 +68,12 @@ class Terms:
     # -- things -----------------------------------------------------------------------------------
 
     def things(self, group: Group, *items: Any) -> Things:
-        """things: group (OR_ITEM? item)*."""
-        return Things(group, _or_items(items))
+        """things: group (_joint? item)*."""
+        return Things(group, _joined(items))
 
     def tail(self, *items: Any) -> tuple[Item, ...]:
-        """tail: item (OR_ITEM? item)*."""
-        return _or_items(items)
+        """tail: item (_joint? item)*."""
+        return _joined(items)
 
     def related(self, link: tuple[RelationKind, bool], group: Group) -> Related:
         """item: link group."""
@@ -181,20 +181,22 @@ def _part(tokens: tuple[Token, ...]) -> tuple[str, ...]:
     return words if isinstance(tokens[-1].value, Pattern) else (" ".join(words),)
 
 
-def _or_items(words: tuple[Any, ...]) -> tuple[Item, ...]:
-    """Return the items; two that `or` joins become one Choice of both."""
+def _joined(words: tuple[Any, ...]) -> tuple[Item, ...]:
+    """Return the items: two that `or` joins become one Choice; `and` says more of what is asked."""
     found: list[Item] = []
-    either = False
+    joint = ""
     for word in words:
         if isinstance(word, Token):
-            either = True
-        elif either and found:
+            joint = word.type
+            continue
+        if joint == "OR_ITEM" and found:
             before = found.pop()
             options = before.options if isinstance(before, Choice) else (before,)
-            found.append(Choice((*options, word)))
-            either = False
-        else:
-            found.append(word)
+            word = Choice((*options, word))
+        elif joint == "AND_ITEM" and isinstance(word, Related):
+            word = replace(word, of_figure=True)
+        found.append(word)
+        joint = ""
     return tuple(found)
 
 

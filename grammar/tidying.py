@@ -78,14 +78,22 @@ def _commas(tags: list[Tag]) -> list[Tag]:
     return out
 
 
+_NOUN_PHRASE = ("DET", "OWNER", "NUMBER", "ATTR", "NOUN")
+_PLACING = ("REL", "THAT_NOT_REL")
+
+
 def _supports(joint: Tag, after: list[Tag], before: list[Tag]) -> bool:
     """Whether a thing is said to lie on one thing and on another: each is asked for alone.
 
-    Near both is one place; on the table and on the chair are two.
+    Near both is one place; on the table and on the chair, or on the table and the chair, are two.
     """
-    kinds = [t.value for t in before if t.type == "REL"]
-    following = after[0] if after and after[0].type == "REL" else joint
-    return following.value in _SUPPORTS and following.value in kinds
+    kinds = [t.value for t in before if t.type in _PLACING]
+    following = after[0] if after else joint
+    if following.type == "REL":
+        return following.value in _SUPPORTS and following.value in kinds
+    if not kinds or kinds[-1] not in _SUPPORTS:
+        return False
+    return following.type in _NOUN_PHRASE and before[-1].type in ("NOUN", "ONE")
 
 
 def _joined_attributes(tags: list[Tag]) -> list[Tag]:
@@ -95,7 +103,8 @@ def _joined_attributes(tags: list[Tag]) -> list[Tag]:
         before = out[-1].type if out else ""
         after = tags[i + 1].type if i + 1 < len(tags) else ""
         if tag_.type == "AND" and _supports(tag_, tags[i + 1 :], out):
-            tag_ = Tag("OR", "and", tag_.word)
+            two = after not in _PLACING and any(t.type in _PLACING for t in tags[i + 1 :])
+            tag_ = Tag("UNKNOWN" if two else "OR", "and", tag_.word)  # it on a and that on b
         if tag_.type == "AND":
             attributes = before == "ATTR" and after == "ATTR"
             ground = after in (
@@ -110,6 +119,9 @@ def _joined_attributes(tags: list[Tag]) -> list[Tag]:
                 "_EXCEPT",
                 "",
             )
+            if after in _PLACING and any(t.type in _PLACING for t in out):
+                out.append(Tag("AND_ITEM", "and", tag_.word))
+                continue
             if attributes or ground or before in ("AND", ""):
                 continue
         denied = any(t.type == "_THAT_IS_NOT" for t in out)

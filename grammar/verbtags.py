@@ -23,14 +23,6 @@ class VerbTagger(NounTagger):
             k += 1
         return self._text(k) in phrases().verbs and self._noun_phrase_at(k + 1)
 
-    def _relation_at(self, k: int) -> bool:
-        """Whether a phrase of relation stands at `k`: `right above`, `directly next to`."""
-        return any(
-            terminal.startswith("REL ")
-            and [self._text(k + j) for j in range(len(parts))] == [*parts]
-            for parts, terminal in phrases().by_first.get(self._text(k), ())
-        )
-
     def _subject(self) -> None:
         """Say what a place is asked of where a second sentence leaves it out: `is on my desk`."""
         if self.it is not None and [t.type for t in self.out.tags] == ["BE"]:

@@ -6,7 +6,7 @@ from datetime import datetime
 
 import pytest
 
-from grammar import FormalQuery, NotUnderstood, QuestionError, Relation, parse
+from grammar import Ambiguous, FormalQuery, NotUnderstood, QuestionError, Relation, parse
 
 NOW = datetime.fromisoformat("2026-05-14T20:30:00+01:00")
 
@@ -149,11 +149,109 @@ def test_a_time_that_the_home_has_not_is_refused_with_the_reason(text: str, why:
     [
         ("are there at least two cups on the table", 2),
         ("did you see more than three cups", 4),
+        ("did you see no fewer than three cups", 3),
         ("did you see at least one cup", None),
     ],
 )
 def test_the_least_number_that_must_be_there(text: str, quantity: int | None) -> None:
     assert read(text).objects[0].quantity == quantity
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "did you see fewer than three cups",
+        "are there at most two cups on the table",
+        "were there no more than 5 cups in the sink yesterday",
+    ],
+)
+def test_the_most_that_may_be_there_is_refused_with_what_to_ask(text: str) -> None:
+    with pytest.raises(QuestionError, match="ask how many there are"):
+        read(text)
+
+
+def test_less_than_a_time_ago_is_no_number_of_things() -> None:
+    assert read("did you see the cup less than two hours ago").time is not None
+
+
+@pytest.mark.parametrize(
+    ("text", "kind", "negated"),
+    [
+        ("where is the cup on the table and near the lamp", "near", False),
+        ("is the cup on the table and behind the lamp", "behind", False),
+        ("is the cup on the table and not near the lamp", "near", True),
+        ("is the cup on the table but not near the lamp", "near", True),
+    ],
+)
+def test_and_says_more_of_what_is_asked_for(text: str, kind: str, negated: bool) -> None:
+    query = read(text)
+    cup, table = query.objects
+    assert (cup.category, table.category, table.where) == ("cup", "table", None)
+    assert query.relation == Relation("on")
+    assert cup.where is not None
+    assert (cup.where.kind, cup.where.negated, cup.where.object.word) == (kind, negated, "lamp")
+    assert not query.negated
+
+
+def test_without_and_the_second_place_tells_the_first_one() -> None:
+    _, table = read("where is the cup on the table near the lamp").objects
+    assert table.where is not None
+    assert table.where.object.word == "lamp"
+
+
+@pytest.mark.parametrize(
+    ("text", "offered"),
+    [
+        (
+            "is there a cup on the desk and the nightstand",
+            ("is there a cup on the desk", "is there a cup on the nightstand"),
+        ),
+        ("what was in the box and in the bag", ("what was in the box", "what was in the bag")),
+        (
+            "how many cups are on the desk, the shelf and the table",
+            (
+                "how many cups are on the desk",
+                "how many cups are on the shelf",
+                "how many cups are on the table",
+            ),
+        ),
+    ],
+)
+def test_what_lies_on_one_and_on_another_is_asked_one_at_a_time(
+    text: str, offered: tuple[str, ...]
+) -> None:
+    with pytest.raises(Ambiguous) as caught:
+        read(text)
+    assert caught.value.suggestions == offered
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "is the cup on the table and the bowl on the chair",
+        "are the cup and the bowl on the table and near the lamp",
+        "where is the cup on the table between the sofa and the window",
+    ],
+)
+def test_what_one_query_cannot_hold_is_refused(text: str) -> None:
+    with pytest.raises(QuestionError):
+        read(text)
+
+
+@pytest.mark.parametrize(
+    ("text", "day"),
+    [
+        ("I left my jacket somewhere yesterday, where was it?", 13),
+        ("I left my jacket somewhere yesterday. Where was it last seen?", None),
+        ("I left my jacket somewhere yesterday, where is it?", None),
+        ("I left my jacket somewhere yesterday. Where was it on monday?", 11),
+    ],
+)
+def test_the_time_told_before_is_of_where_it_was(text: str, day: int | None) -> None:
+    query = read(text)
+    assert [(t.word, t.owner) for t in query.objects] == [("jacket", "me")]
+    start = query.time.start if query.time is not None else None
+    assert (start.day if start is not None else None) == day
 
 
 @pytest.mark.parametrize(
