@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import itertools
-
 from grammar import numbers
 from grammar import timewords as tw
-from grammar.closed import is_open, words_of
+from grammar.closed import is_open
 from grammar.timedigits import CLOCK, TimeToken
-from grammar.timelists import ListReader
+from grammar.timejoints import JointReader
 
 
-class NumberReader(ListReader):
+class NumberReader(JointReader):
     """Reads the numbers of a spoken time by their neighbours."""
 
     def _meridiem(self) -> TimeToken | None:
@@ -98,30 +96,6 @@ class NumberReader(ListReader):
         if value % 5 == 0 or self._at(-1) == "at":
             return True
         return exact  # nine to five is a range
-
-    def _from_then(self) -> bool:
-        """Whether `from` and a day tell which things are meant: show me cups from yesterday.
-
-        Beside a verb of the past, or with an end, `from` is the beginning of a time.
-        """
-        rest = self.words[self.i + 1 :]
-        verbs = _PAST.intersection(self.words[: self.i])
-        if verbs or not is_open(self._at(-1)) or self._time_word(self._at(-1)) or not rest:
-            return False
-        ends = any(
-            word in _CLOSES_FROM or (word == "to" and before not in _NEXT_TO)
-            for before, word in itertools.pairwise(["", *rest])
-        )
-        then = rest[1] if rest[0] == "the" and len(rest) > 1 else rest[0]
-        return not ends and rest[-1] != "on" and (then in _THEN or "ago" in rest)
-
-    def _open(self, opens: str, closes: str) -> bool:
-        """Whether an `opens` token still waits for its `closes`."""
-        depth = 0
-        for token in self.before:
-            if token is not None:
-                depth += (token.type == opens) - (token.type == closes)
-        return depth > 0
 
     # -- numbers -----------------------------------------------------------------------------
 
@@ -210,10 +184,6 @@ class NumberReader(ListReader):
     def _noun(self, word: str) -> bool:
         """Whether a word may go on a noun phrase: open, and no word of time."""
         return is_open(word) and not self._time_word(word)
-
-    def _time_word(self, word: str) -> bool:
-        timed = word in tw.PARTS or word in tw.WEEKDAY_NUMBER or word in tw.MONTH_NUMBER
-        return timed or word in _TIMELY
 
     def _number(self) -> TimeToken | None:
         if self.word in ("o", "oh", "zero") and self._at(2) == "hundred":
@@ -383,23 +353,4 @@ class NumberReader(ListReader):
         return compact in ("am", "pm") or (compact in ("a", "p") and self._at(k + 1) == "m")
 
 
-_PAST = words_of("was were been did do does have has had moved changed gone")
-_CLOSES_FROM = words_of("until till til through thru - onward onwards forward and")
-_NEXT_TO = words_of("next close left right nearest closest")
-_THEN = frozenset(
-    (
-        "yesterday",
-        "today",
-        "tonight",
-        "earlier",
-        "last",
-        "past",
-        "previous",
-        "weekend",
-        "this",
-        *tw.WEEKDAYS,
-        *tw.MONTHS,
-    )
-)
 _ENDS_RANGE = ("to", "until", "till", "til")
-_TIMELY = ("today", "yesterday", "tonight", "ago", "am", "pm", "sharp", "ish", "earlier", "later")
