@@ -12,7 +12,8 @@ from grammar.phrases import BARE_PLACES, phrases, place_follows
 KIN = words_of(
     "wife husband mom mum mother dad father son daughter brother sister grandma grandpa "
     "grandmother grandfather friend roommate flatmate boyfriend girlfriend partner nurse "
-    "carer uncle aunt neighbor neighbour granny granddaughter grandson cousin everybody "
+    "carer uncle aunt auntie neighbor neighbour granny grandad granddad gran nan nana mummy mommy "
+    "daddy papa mama granddaughter grandson cousin niece nephew everybody "
     "everyone"
 )
 """People by their kinship: what they do is no business of a memory of things."""
@@ -169,7 +170,7 @@ class NounTagger(ClauseTagger):
         """Take `not red`, said before its noun or after it."""
         if self._last() == "BE" and self._chosen():
             self.out.tags.pop()  # how many chairs are not red: chairs that are not
-            self._emit("_THAT_IS_NOT", 0, 1)
+            self._emit("_THAT_IS_NOT", any(t.type == "REL" for t in self.out.tags), 1)
             return True
         found = self.reader.read(self.words, k)
         before_noun = len(found) > 1 and isinstance(found[-1][0], Noun)
@@ -211,7 +212,9 @@ class NounTagger(ClauseTagger):
                 self.out.tags.pop()  # my sister anna's pills
             if self._last() == "OWNER":
                 self.out.tags.pop()
-            self._emit("OWNER", stem if stem in self.lexicon.names else singular, 1)
+            led = self._last() in ("DET", "OWNER") or singular in PEOPLE or singular in KIN
+            several = stem not in self.lexicon.names and (led or self.lexicon.known_noun(stem))
+            self._emit("OWNER", singular if several else stem, 1)
             return True
         if self._full_name():
             return True

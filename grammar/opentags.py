@@ -7,7 +7,7 @@ from dataclasses import replace
 from grammar import numbers
 from grammar import timewords as tw
 from grammar.closed import is_open, words_of
-from grammar.cursor import DETERMINERS, PRONOUNS, TIME_GAP
+from grammar.cursor import DETERMINERS, OWNERS, PRONOUNS, TIME_GAP
 from grammar.forms import ANYTHING
 from grammar.nouns import Attribute, Described, Noun
 from grammar.phrases import breaks
@@ -35,11 +35,20 @@ class OpenTagger(RelationTagger):
         """Whether an open word at `k` goes on a noun phrase: `these cups`, not `it somewhere`."""
         return self._open_at(k) and not breaks(self.words, k)
 
+    def _named_after(self, k: int) -> bool:
+        """Whether the thing of a pronoun stands right after it: where are they the scissors."""
+        pronoun = self._text(self.i) in ("it", "they") and self.it is None
+        named = self._text(k) in DETERMINERS or self._text(k) in OWNERS
+        return pronoun and self._last() == "BE" and named
+
     def _plain(self) -> bool:
         """Tag determiners, numbers, pronouns and the open words of noun phrases."""
         text = self._text(self.i)
         if text in PRONOUNS and self.it is not None and not self._goes_on(self.i + 1):
             self._emit("NOUN", Noun(self.it.category, self.it.word, True, self.it), 1)
+            return True
+        if self._named_after(self.i + 1):
+            self.i += 1
             return True
         if text in DETERMINERS and self._apposed():
             return True

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import product
 
 from grammar.closed import is_open, words_of
 from grammar.vocabulary import files
@@ -50,15 +52,14 @@ def phrases() -> Phrases:
     breakers: set[str] = set()
     for line in files.lines("phrases.txt"):
         terminal, _, said = line.partition("=")
-        for phrase in files.split(said):
-            parts = tuple(phrase.split())
+        for parts in _spelled(said):
             found.setdefault(parts[0], []).append((parts, terminal.strip()))
             if len(parts) == 1 and terminal.strip() in VERBAL:
-                verbs.add(phrase)
+                verbs.add(parts[0])
             if terminal.strip() in STANCES:
-                stances.add(phrase)
+                stances.add(" ".join(parts))
             if len(parts) == 1 and terminal.strip() in _BREAKING:
-                breakers.add(phrase)
+                breakers.add(parts[0])
     for line in files.lines("relations.txt"):
         kind, _, said = line.partition(":")
         for phrase in files.split(said):
@@ -68,6 +69,15 @@ def phrases() -> Phrases:
         entries.sort(key=lambda entry: (-len(entry[0]), entry[1] not in STANCES))
     breakers |= verbs | SUBJECT_OF | {"belonging"}
     return Phrases(found, frozenset(verbs), frozenset(stances), frozenset(breakers))
+
+
+def _spelled(said: str) -> Iterator[tuple[str, ...]]:
+    """Yield the phrases of a line; `is|was` in one stands for either word."""
+    for phrase in files.split(said):
+        if "|" in phrase:
+            yield from product(*(word.split("|") for word in phrase.split()))
+        else:
+            yield tuple(phrase.split())
 
 
 def breaks(words: list[Word], k: int) -> bool:

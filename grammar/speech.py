@@ -52,7 +52,8 @@ def _parted(words: list[Word]) -> list[list[Word]]:
     if pause:
         return [words[:pause], *_parted(words[pause + 1 :])]
     dislocated = texts[-1] in ("it", "they", "them") and texts[0] not in QUESTION_STARTS
-    pointing = texts[0] in _POINTING and not dislocated
+    owned = texts[0].endswith("'s")
+    pointing = (texts[0] in _POINTING or owned) and not dislocated
     if texts[0] not in _STATING and not dislocated and not pointing:
         return [words]
     for i in range(1 if dislocated else 2, len(texts) - 2):
@@ -112,7 +113,7 @@ _TELLING = words_of(
 
 def plain(words: list[Word], lexicon: Lexicon) -> list[Word]:
     """Return the words of one sentence without what changes nothing."""
-    words = _joined(_heard(_without_fillers(words)), lexicon)
+    words = _joined(_counting(_heard(_without_fillers(words)), lexicon), lexicon)
     words = corrected(words, lexicon)
     words = _without_stutter(_without_false_starts(words), lexicon)
     return _located(_closed(_without_thought(_opened(words))))
@@ -157,6 +158,15 @@ def _heard(words: list[Word]) -> list[Word]:
     sounds = len(words) > 2 and words[0].text in ("wear", "ware", "were", "we're")
     if sounds and words[1].text in ("is", "are", "did", "was", "have"):
         return [replace(words[0], text="where"), *words[1:]]
+    return words
+
+
+def _counting(words: list[Word], lexicon: Lexicon) -> list[Word]:
+    """Return the words with `how much` before several things as how many."""
+    said = [w.text for w in words[:3]]
+    several = said[:2] == ["how", "much"] and lexicon.singular(said[-1]) != said[-1]
+    if several and lexicon.known_noun(said[-1]):
+        return [words[0], replace(words[1], text="many"), *words[2:]]
     return words
 
 

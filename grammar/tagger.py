@@ -22,6 +22,7 @@ from grammar.words import Word
 
 _INTENSIFIERS = frozenset(("right", "directly", "immediately", "straight"))
 _AREAS = ("room", "area", "house", "place", "location", "spot")
+_ABOUT = ("around", "somewhere", "anywhere", "someplace")
 _ALL = ("everything", "all", "every", "each")
 _FLOATS: dict[str, Select] = {"last": "last", "first": "first", "usual": "usual"}
 
@@ -163,6 +164,8 @@ class Tagger(OpenTagger):
             case "WHO":
                 if said in PRONOUNS and self.it is not None:
                     return self._acts(following)
+                if self._named_after(following):
+                    return False
                 if is_open(said.rpartition(" ")[2]) and self._goes_on(following):
                     return False  # the robot vacuum is a thing
                 return said not in ("you", "u") or self._last() != "SEE"
@@ -186,21 +189,29 @@ class Tagger(OpenTagger):
                 self.room = terminal == "where_room" or said.endswith(_AREAS)
                 self.out.select = "last" if terminal == "where_last" else self.out.select
                 self._emit("_WHERE", said, size)
+                self._linked()
             case "what_last" | "what_first":
                 self.out.select = "last" if terminal == "what_last" else "first"
                 self._emit("_WHAT", said, size)
             case "when_last" | "when_first":
                 self.out.select = "last" if terminal == "when_last" else "first"
                 self._emit("_WHEN", said, size)
+                self._linked()
             case "where_all" | "when_all":
                 self.out.select = "all"
                 self._emit(f"_{terminal.removesuffix('_all').upper()}", said, size)
+                self._linked()
             case "same_place":
                 self._emit("SIDE_BY_SIDE", "same_place", size)
             case "SIDE_BY_SIDE":
                 self._emit("SIDE_BY_SIDE", "together", size)
             case _:
                 self._emit(terminal, said, size)
+
+    def _linked(self) -> None:
+        """Pass over what joins a place or a time to its clause: the last time that you saw it."""
+        if self._text(self.i) in ("that", "when", "where") and self.i + 2 < len(self.words):
+            self.i += 1
 
     def _question_word(self, terminal: str, said: str, size: int) -> bool:
         following = self.i + size
@@ -283,7 +294,7 @@ class Tagger(OpenTagger):
         ):
             self.i += size
             return True
-        if said == "around" and self._last() in ("LEAVE", "SEE"):
+        if said in _ABOUT and self._last() in ("LEAVE", "SEE", "FINDS"):
             self.i += size
             return True
         if said == "about" and self.i + 1 == len(self.words) and self._first() == "_WHAT":

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from grammar import numbers
 from grammar import timewords as tw
-from grammar.closed import is_open
+from grammar.closed import is_open, words_of
 from grammar.timedigits import CLOCK, TimeToken
 from grammar.timejoints import JointReader
 
@@ -294,8 +294,10 @@ class NumberReader(JointReader):
             introduced = False  # the cup and two bowls
         introduced = introduced or self._ranges_to(count)
         if value >= 100:
-            clock = value % 100 < 60 and value < 2400 and (previous == "at" or following == "hours")
-            if clock:
+            named = previous == "at" or following == "hours"
+            year = 1900 <= value < 2100
+            named = named or (previous in _BOUNDING and len(self.word) == 4 and not year)
+            if named and value % 100 < 60 and value < 2400:
                 digits = (value // 100, value % 100, True, 0)
                 return self._make("HHMM", digits, count + (following == "hours"))
             return None
@@ -353,4 +355,5 @@ class NumberReader(JointReader):
         return compact in ("am", "pm") or (compact in ("a", "p") and self._at(k + 1) == "m")
 
 
+_BOUNDING = words_of("between and from to before after since until till by -")
 _ENDS_RANGE = ("to", "until", "till", "til")

@@ -79,6 +79,7 @@ _WITHOUT_APOSTROPHE = {
     "r": ("are",),
     "u": ("you",),
     "ur": ("your",),
+    "em": ("them",),
     "wat": ("what",),
     "whereis": ("where", "is"),
     "whereare": ("where", "are"),

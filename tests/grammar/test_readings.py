@@ -308,6 +308,15 @@ def test_the_camera_is_a_thing_where_it_sees_nothing(text: str, words: list[str]
         ("where were my keys the first time you saw them", "where", "first"),
         ("where did you saw last time my keys", "where", "last"),
         ("last time you saw my keys", "when", "last"),
+        ("when was the first time that you noticed my keys", "when", "first"),
+        ("what was the latest spot my keys were seen", "where", "last"),
+        ("tell me the most recent place where you saw my keys", "where", "last"),
+        ("where are they my keys", "where", "last"),
+        ("my keys, where'd I leave 'em?", "where", "last"),
+        ("would it be possible to know where my keys are", "where", "last"),
+        ("have you seen somewhere my keys", "whether", "all"),
+        ("at least how many of my keys did you see", "count", "all"),
+        ("how much keys of mine did you see", "count", "all"),
         ("would you be so kind as to tell me where my keys are", "where", "last"),
         ("would it be possible for you to list all places i left my keys", "where", "all"),
     ],
@@ -326,6 +335,10 @@ def test_which_of_its_sightings_are_asked_for(text: str, ask: str, select: str) 
         ("where is the office manager's walking stick", "office manager"),
         ("where is aunt mary's walking stick", "mary"),
         ("where did the kids leave dad's walking stick", "dad"),
+        ("where did grandad leave his walking stick", "grandad"),
+        ("where is Tomas' walking stick", "tomas"),
+        ("where is the boss's walking stick", "boss"),
+        ("where is the kids' walking stick", "kid"),
     ],
 )
 def test_an_owner_may_have_several_words(text: str, owner: str) -> None:
@@ -388,6 +401,26 @@ def test_compared_to_a_time_is_since_then() -> None:
     assert query.time is not None
     assert f"{query.time.start:%m-%d}" == "05-13"
     assert query.time.end is None
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("did daddy's hat go on the chair", ["hat", "chair"]),
+        ("daddy's hat is it still on the chair", ["hat", "chair"]),
+        ("which of the hats on the chair are not white", ["hat", "chair"]),
+    ],
+)
+def test_what_is_where(text: str, words: list[str]) -> None:
+    query = read(text)
+    assert [t.word for t in query.objects] == words
+    assert query.relation == Relation("on")
+    assert not query.negated
+
+
+def test_which_are_not_white_denies_it_of_what_is_asked_for() -> None:
+    hat, chair = read("which of the hats on the chair are not white").objects
+    assert (hat.without, chair.without) == (("white",), ())
 
 
 def test_how_much_of_a_look_says_nothing() -> None:
