@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from grammar import numbers
+from grammar import timewords as tw
 from grammar.closed import is_open, words_of
 from grammar.cursor import DETERMINERS, OWNED, OWNERS, TIME_GAP, Cursor
 from grammar.forms import ANYTHING
@@ -100,6 +101,8 @@ class ClauseTagger(Cursor):
         alone = following in ("", TIME_GAP) or place_follows(self.words, k + 1)
         if self._text(self.i) not in ("that", "which") or not is_open(self._text(k)) or not alone:
             return False
+        if self._text(k) in tw.UNITS:
+            return False  # that day: a time that nothing here tells
         self.i = k + 1
         return True
 

@@ -257,7 +257,7 @@ def _acted(term: ObjectTerm, lexicon: Lexicon) -> bool:
 _NO_STATES = words_of("on off up down home set made free visible available safe good fine high low")
 """Words of state that may end a question of a place or of a thing's look."""
 _TIMES = frozenset((*tw.UNITS, *tw.PARTS, *tw.WEEKDAYS, *tw.MONTHS)) - tw.SHY
-_CLOCK_WORDS = words_of("am pm oclock o'clock ago yesterday today tonight")
+_CLOCK_WORDS = words_of("am pm oclock o'clock ago later yesterday today tonight")
 
 
 def _refuse_leftover_time(

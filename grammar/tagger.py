@@ -201,6 +201,9 @@ class Tagger(OpenTagger):
                 self.out.select = "all"
                 self._emit(f"_{terminal.removesuffix('_all').upper()}", said, size)
                 self._linked()
+            case "WHO" if said in ("nobody", "no one"):
+                self.out.negated = True
+                self._emit(terminal, said, size)
             case "same_place":
                 self._emit("SIDE_BY_SIDE", "same_place", size)
             case "SIDE_BY_SIDE":

@@ -12,7 +12,7 @@ _SUPPORTS = ("on", "in", "under", "above")
 
 def tidied(tags: list[Tag]) -> list[Tag]:
     """Return the terminals with what only both neighbours tell."""
-    tags = _things_described(_joined_attributes(_commas(_fronted(tags))))
+    tags = _things_described(_owned_alike(_joined_attributes(_commas(_fronted(tags)))))
     tags = _extraposed(tags)
     return _excepted(_predicates(tags))
 
@@ -129,6 +129,22 @@ def _joined_attributes(tags: list[Tag]) -> list[Tag]:
             continue  # that is neither red nor white
         if tag_.type == "OR" and after in ("REL", "AT_PLACE"):
             tag_ = Tag("OR_ITEM", "or", tag_.word)
+        out.append(tag_)
+    return out
+
+
+def _owned_alike(tags: list[Tag]) -> list[Tag]:
+    """Give a thing said after `and` the owner of the one before it: anna's shoes and bag."""
+    out: list[Tag] = []
+    owner: Tag | None = None
+    for i, tag_ in enumerate(tags):
+        if tag_.type not in ("OWNER", "ATTR", "NOUN", "AND"):
+            owner = None
+        elif tag_.type == "OWNER":
+            owner = tag_
+        bare = i > 0 and tags[i - 1].type == "AND" and tag_.type in ("ATTR", "NOUN")
+        if bare and owner is not None:
+            out.append(Tag("OWNER", owner.value, tag_.word))
         out.append(tag_)
     return out
 

@@ -168,6 +168,8 @@ class _Reader(UnplacedReader):
                 continue
             if kind == "SAME" and not (self._day_named(length) or self._is("DAYS", "WEEKDAY")):
                 continue
+            if said.endswith(" before last") and self._at(length) in tw.WEEKDAY_NUMBER:
+                continue  # the day before last friday
             if kind == "EDGE" and not self._edges(length):
                 continue
             if kind == "_ONWARD" and not self._opens_only(length):
@@ -221,7 +223,7 @@ class _Reader(UnplacedReader):
             self._at(k)[:1].isdecimal()
             or self._at(k) in tw.MONTH_NUMBER
             or bool(self._at(k) and numbers.ordinal(self.words, self.i + k))
-            or self._at(k) in tw.WEEKDAY_NUMBER
+            or self._at(k + (self._at(k) == "last")) in tw.WEEKDAY_NUMBER
             or any(
                 " ".join(self.words[self.i + k : self.i + k + n]) in tw.HOLIDAYS for n in (1, 2, 3)
             )

@@ -120,7 +120,17 @@ def test_who_did_it_owns_what_is_his(text: str, owner: str | None) -> None:
     assert [(t.word, t.owner) for t in read(text).objects] == [("key", owner)]
 
 
-@pytest.mark.parametrize("text", ["where were my keys before i went out", "before i left it"])
+@pytest.mark.parametrize(
+    "text",
+    [
+        "where were my keys that day",
+        "where were my keys later that week",
+        "where were my keys later",
+        "where were my keys on my birthday",
+        "where were my keys before i went out",
+        "before i left it",
+    ],
+)
 def test_a_time_told_by_what_happened_is_never_left_out(text: str) -> None:
     with pytest.raises(QuestionError):
         read(text)
@@ -361,6 +371,33 @@ def test_which_one_may_be_said_after_its_kind(
 ) -> None:
     (term,) = read(text).objects
     assert (term.category, term.attributes, term.without) == ("box", attributes, without)
+
+
+@pytest.mark.parametrize(
+    ("text", "owners"),
+    [
+        ("where are anna's shoes and bag", ["anna", "anna"]),
+        ("where are my red shoes and blue bag", ["me", "me"]),
+        ("where are my shoes and the bag", ["me", None]),
+        ("where are the shoes and my bag", [None, "me"]),
+        ("did you see my shoes, hat and bag", ["me", "me", "me"]),
+    ],
+)
+def test_an_owner_is_of_all_that_bare_and_joins(text: str, owners: list[str | None]) -> None:
+    assert [t.owner for t in read(text).objects] == owners
+
+
+@pytest.mark.parametrize(
+    ("text", "negated"),
+    [("nobody saw the cup, right?", True), ("there was a cup, wasn't there?", False)],
+)
+def test_a_statement_with_a_tag_asks_whether(text: str, negated: bool) -> None:
+    query = read(text)
+    assert (query.ask, query.negated) == ("whether", negated)
+
+
+def test_what_is_stuck_to_a_thing_is_on_it() -> None:
+    assert read("what is stuck to the fridge").relation == Relation("on")
 
 
 @pytest.mark.parametrize(
