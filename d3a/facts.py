@@ -320,7 +320,12 @@ class Facts:
         if kind == "in":
             return frozenset(c for c in self.categories() if is_hollow_word(c, lexicon))
         if kind in ("on", "above"):
-            return frozenset(c for c in self.categories() if is_landmark_word(c, lexicon))
+            return frozenset(
+                category
+                for category in self.categories()
+                if is_landmark_word(category, lexicon)
+                and (kind == "on" or not is_hollow_word(category, lexicon))
+            )
         return frozenset()
 
     def landmarks(self, lexicon: Lexicon) -> Landmarks:

@@ -10,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from d3a.pairs import (
+    THIN_M,
     Floats,
     Pairs,
     as_factor,
@@ -34,8 +35,6 @@ LONG_M, GROWS = 1.6, 1.5
 """What is wide is at least so long as furniture is, but no more than so many times as seen."""
 AROUND_M, SIDES = 2.8, 1.5
 """Furniture measures so much round two sides, and at least so many of its widths."""
-THIN_M = 0.8
-"""No furniture is less deep."""
 DEPTH_SIGMA_M = 0.2
 """The deviation of half a depth that is known from such measures alone."""
 LEAST_SHOWN_M = 0.3
@@ -55,11 +54,11 @@ def footprint(pairs: Pairs) -> Floats:
     half = np.where(np.isnan(width), UNMEASURED_M, half)
     across, along = spread_out(pairs)
     in_picture, shown = _in_picture(pairs, whole)
-    by_place = normal_cdf((half - across) / pairs.sigma)
+    by_place = _inside(half, across, pairs.sigma)
     sideways = np.where(np.isnan(in_picture), by_place, (by_place + in_picture) / 2)
     deep = np.where(np.isnan(width), half, (1 - wide) * half + wide * _half_depth(width, shown))
     unsure = np.hypot(pairs.sigma, DEPTH_SIGMA_M * np.nan_to_num(wide))
-    by_sides = sideways * normal_cdf((deep - along) / unsure)
+    by_sides = sideways * _inside(deep, along, unsure)
     about = within(pairs, half, level=True) * as_factor(in_picture)
     return np.where(np.isnan(by_sides), about, by_sides)
 
@@ -83,4 +82,12 @@ def _in_picture(pairs: Pairs, whole: Floats) -> tuple[Floats, Floats]:
     apart = np.abs(box_middle(pairs.box_a) - box_middle(pairs.box_b))[:, 0] * scale
     hidden = np.nan_to_num(np.clip(whole - width * own, 0.0, None))
     limit = shown / 2 + hidden + RIM_M
-    return normal_cdf((limit - apart) / (0.1 * apart + RIM_M)), shown
+    return _inside(limit, apart, 0.1 * apart + RIM_M), shown
+
+
+def _inside(half: Floats, off: Floats, sigma: Floats) -> Floats:
+    """Return the probability of being within half a width of the middle, measured `off` it.
+
+    Beyond either side: of a narrow thing's outline much of what may be true is outside of it.
+    """
+    return normal_cdf((half - off) / sigma) - normal_cdf((-half - off) / sigma)

@@ -10,7 +10,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from d3a import relations
-from d3a.joins import HOLDS, Link, Related, ordered, pairs_of
+from d3a.joins import HOLDS, Related
+from d3a.linked import Link, ordered, pairs_of
 from d3a.moments import Found, Moment, entry_of
 from d3a.store.base import StayKey
 

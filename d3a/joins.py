@@ -6,20 +6,17 @@ Two things meet in a shared frame (an encounter), or where their intervals overl
 
 from __future__ import annotations
 
-import math
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from d3a import relations
-from d3a.model import Box, Position
-from d3a.moments import Found, extents, positions
-from d3a.pairs import Pairs
+from d3a.linked import Link, agreed, pairs_of
+from d3a.model import Position
+from d3a.moments import Found
 from d3a.parameters import Parameters
-from d3a.places import sigma_of, up_of
 from d3a.store.base import Encounter, Sighting, StayKey
 from grammar.forms import RelationKind
 
@@ -36,52 +33,6 @@ Intervals = NDArray[np.int64]
 STANDING: frozenset[RelationKind] = frozenset({"near", "on", "under", "in", "above", "same_place"})
 """These are between two places, whoever looks; sides are the viewer's."""
 SYMMETRIC: frozenset[RelationKind] = frozenset({"together", "near", "same_place"})
-
-
-class Link(NamedTuple):
-    """Where a figure's and a ground's stay meet in time.
-
-    encounter: the shared frame, flipped where the figure is its second object; None where only
-    the intervals overlap, then `sightings` are the two. A tuple: there are thousands of them.
-    """
-
-    figure: StayKey
-    ground: StayKey
-    start_ms: int
-    end_ms: int
-    encounter: Encounter | None = None
-    flipped: bool = False
-    sightings: tuple[Sighting, Sighting] | None = None
-
-    def seen(self) -> tuple[Sighting, Sighting]:
-        """Return figure and ground as sightings, those of the shared frame where there is one."""
-        if self.sightings is not None:
-            return self.sightings
-        assert self.encounter is not None
-        boxes = self.boxes()
-        return _seen(self.encounter, self.figure, boxes[0]), _seen(
-            self.encounter, self.ground, boxes[1]
-        )
-
-    def boxes(self) -> tuple[Box, Box]:
-        """Return the boxes of figure and ground in the shared frame, NaN without one."""
-        e = self.encounter
-        if e is None:
-            return _NO_BOX, _NO_BOX
-        return (e.box_b, e.box_a) if self.flipped else (e.box_a, e.box_b)
-
-    def viewer(self) -> tuple[float, ...]:
-        """Return the camera's pose that the sides are told from, NaN where unknown."""
-        if self.encounter is not None:
-            return self.encounter.viewer or _NO_POSE
-        assert self.sightings is not None
-        return self.sightings[0].viewer or self.sightings[1].viewer or _NO_POSE
-
-
-_NO_BOX: Box = (math.nan, math.nan, math.nan, math.nan)
-_NO_POSE = (math.nan,) * 7
-FAR_M = 1e6
-"""How far apart the maps of two sites are laid; a store's places are nearer to zero."""
 
 
 def links(
@@ -181,26 +132,6 @@ def _shown(spans: Spans, stay: StayKey, start_ms: int, end_ms: int) -> bool:
     return False
 
 
-def _seen(encounter: Encounter, stay: StayKey, box: Box) -> Sighting:
-    """Return one side of an encounter as a sighting in its frame."""
-    e = encounter  # by position: there are hundreds of them
-    return Sighting(
-        stay[0],
-        stay[1],
-        e.start_ms,
-        e.end_ms,
-        e.frame,
-        e.probability,
-        box,
-        e.image,
-        e.seen,
-        "",
-        e.recording,
-        None,
-        e.viewer,
-    )
-
-
 def _overlapping(
     figure: Found, ground: Found, reach_m: float, *, timeless: bool
 ) -> list[tuple[Sighting, Sighting]]:
@@ -271,38 +202,6 @@ def _at_once(span_a: Intervals, span_b: Intervals) -> Iterator[tuple[Rows, Rows]
         at = end
 
 
-def pairs_of(
-    found: Sequence[Link], figure: Found, ground: Found, usual: Collection[str] = ()
-) -> Pairs:
-    """Return the geometry of links as arrays, a row a link. usual: see `relate`."""
-    stays_a = [figure.stays.get(link.figure) for link in found]
-    stays_b = [ground.stays.get(link.ground) for link in found]
-    boxes = [link.boxes() for link in found]
-    sigma = [math.hypot(sigma_of(a), sigma_of(b)) for a, b in zip(stays_a, stays_b, strict=True)]
-    upright = [math.hypot(up_of(a), up_of(b)) for a, b in zip(stays_a, stays_b, strict=True)]
-    # each site has a map of its own: another's is laid where nothing is near
-    others = [a and b and a.site != b.site for a, b in zip(stays_a, stays_b, strict=True)]
-    return Pairs(
-        position_a=positions(stays_a),
-        position_b=positions(stays_b) + FAR_M * np.array(others, dtype=bool)[:, None],
-        sigma=np.array(sigma, dtype=np.float64),
-        box_a=_array([own for own, _ in boxes], 4),
-        box_b=_array([other for _, other in boxes], 4),
-        viewer=_array([link.viewer() for link in found], 7),
-        extent_a=extents(figure, [link.figure[0] for link in found]),
-        extent_b=extents(ground, [link.ground[0] for link in found]),
-        sigma_up=np.array(upright, dtype=np.float64),
-        usual_b=np.array(
-            [ground.candidates[link.ground[0]].record.category in usual for link in found],
-            dtype=np.bool_,
-        ),
-    )
-
-
-def _array(rows: Sequence[Sequence[float]], width: int) -> NDArray[np.float64]:
-    return np.array(rows, dtype=np.float64).reshape(len(rows), width)
-
-
 @dataclass(frozen=True, slots=True)
 class Related:
     """The links of a relation with how likely it held (n,), NaN where nothing tells."""
@@ -344,20 +243,7 @@ def relate(
     if kind == "together":  # a shared frame settles it, whatever the geometry
         told = iter(held.tolist())
         held = np.array([1.0 if link.encounter is not None else next(told) for link in met])
-    return Related(met, _agreed(met, held) if kind in STANDING else held)
-
-
-def _agreed(found: Sequence[Link], held: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the mean of what the pictures of two stays say: neither moved in between (n,)."""
-    rows: dict[tuple[StayKey, StayKey], list[int]] = {}
-    for i, link in enumerate(found):
-        rows.setdefault((link.figure, link.ground), []).append(i)
-    agreed = held.copy()
-    for several in rows.values():
-        told = [i for i in several if not np.isnan(held[i])]
-        if len(told) > 1:
-            agreed[told] = held[told].mean()
-    return agreed
+    return Related(met, agreed(met, held) if kind in STANDING else held)
 
 
 def _reach_m(kind: RelationKind, parameters: Parameters) -> float:
@@ -373,8 +259,3 @@ def _reach_m(kind: RelationKind, parameters: Parameters) -> float:
             return REACH_M
         case _:
             return CONTACT_M
-
-
-def ordered(link: Link) -> tuple[int, int]:
-    """Return the interval of a link; what is timeless may have its ends the other way round."""
-    return min(link.start_ms, link.end_ms), max(link.start_ms, link.end_ms)

@@ -18,7 +18,6 @@ from d3a.ledger import Ledger
 from d3a.likelihood import BESIDE, OTHER, VARIANCES, CategoryModel, LookModel
 from d3a.look_space import LookSpace
 from d3a.memory import Memory
-from d3a.moves import rename
 from d3a.neighbours import Neighbours
 from d3a.parameters import Parameters
 from d3a.sightings import Interval, joined
@@ -154,7 +153,7 @@ def merge(
     for interval in intervals:
         ledger.put_sighting(interval.sighting(becomes))
     for encounter in encounters:
-        if (renamed := rename(encounter, was, becomes)) is not None:
+        if (renamed := encounter.renamed({was: becomes})) is not None:
             ledger.put_encounter(renamed)
     place.open = intervals[-1] if intervals else place.open
     _join(kept, gone, memory, parameters)

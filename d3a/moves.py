@@ -21,7 +21,7 @@ from d3a.look_space import LookSpace
 from d3a.memory import Memory
 from d3a.parameters import Parameters
 from d3a.sightings import Became, entry_name
-from d3a.store.base import Encounter, StayKey
+from d3a.store.base import StayKey
 
 Floats = NDArray[np.float64]
 BINS = 40
@@ -245,7 +245,7 @@ def apply_link(link: Link, memory: Memory, ledger: Ledger, parameters: Parameter
     for sighting in sightings:
         ledger.put_sighting(replace(sighting, object_id=becomes[0], place=becomes[1]))
     for encounter in encounters:
-        if (renamed := rename(encounter, was, becomes)) is not None:
+        if (renamed := encounter.renamed({was: becomes})) is not None:
             ledger.put_encounter(renamed)
     return Became(entry_name(was), entry_name(becomes), "moved")
 
@@ -275,16 +275,3 @@ def _merge(old: Known, new: Known, memory: Memory, parameters: Parameters) -> No
     if place.row >= 0:
         memory.positions.give(place, old)
     memory.remove(new)
-
-
-def rename(encounter: Encounter, was: StayKey, becomes: StayKey) -> Encounter | None:
-    """Return the encounter with a stay renamed; None where a thing would meet itself."""
-    e = encounter
-    ends = [((e.object_a, e.place_a), e.box_a), ((e.object_b, e.place_b), e.box_b)]
-    renamed = sorted((becomes if stay == was else stay, box) for stay, box in ends)
-    (a, box_a), (b, box_b) = renamed
-    if a[0] == b[0]:
-        return None
-    return replace(
-        e, object_a=a[0], place_a=a[1], box_a=box_a, object_b=b[0], place_b=b[1], box_b=box_b
-    )

@@ -5,12 +5,13 @@ Relations are made of these. What is unknown of a pair is NaN, and stays so.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
+Rows = NDArray[np.intp]
 SAME_SPOT_M = 1e-6
 """Positions closer than this are one estimate for a whole frame: they tell nothing of a pair."""
 DEFAULT_SIGMA_M = 0.25
@@ -24,6 +25,13 @@ VISIT_ERROR = 2.5
 """By how much things never seen together are further off each other than their covariances say:
 these take looks for independent, but the looks of one visit share the error of the robot's place.
 Between things of one frame that error cancels."""
+SURE_M = 0.05
+"""No mean of frames is surer than this: they share the error of the robot's heading."""
+THIN_M = 0.8
+"""No furniture is less deep."""
+SURFACE_SHARE = 0.25
+"""What is measured of a thing lies so far before its middle, as a share of its depth: it is between
+the middle, where a detector may put it, and the surface, which a depth camera measures."""
 LEAST_SEEN = 2.0
 """A thing is at most so many times as wide as what is seen of it."""
 
@@ -57,6 +65,55 @@ class Pairs:
     def shared(self) -> NDArray[np.bool_]:
         """Which pairs have a frame that shows both (n,)."""
         return ~(np.isnan(self.box_a[:, 0]) | np.isnan(self.box_b[:, 0]))
+
+
+def placed_together(pairs: Pairs, apart: Floats) -> Pairs:
+    """Return the pairs with places as far apart as frames that show both measured it.
+
+    apart (n, 4): from figure to ground and the deviation of that, NaN where no frame tells. It has
+    no error of the robot's place in it, which all the looks of one visit share; but of what is wide
+    a frame shows one side, and places are means over all sides: both count, as they are sure.
+    Heights stay: a robot drives on a floor, and the more looks the surer they are.
+    """
+    known = ~np.isnan(apart[:, 3])
+    if not known.any():
+        return pairs
+    width = np.nan_to_num(np.hypot(pairs.extent_a[:, 0], pairs.extent_b[:, 0]))
+    own = np.hypot(np.maximum(apart[:, 3], SURE_M), EDGE_SHARE * width) ** 2
+    places = (VISIT_ERROR * pairs.sigma) ** 2
+    missing = apart[:, :3] - (pairs.position_b - pairs.position_a)
+    moved = np.where(known[:, None], (places / (places + own))[:, None] * missing / 2, 0.0)
+    moved[:, up_axis(pairs.viewer)[0]] = 0.0
+    return replace(pairs, position_a=pairs.position_a - moved, position_b=pairs.position_b + moved)
+
+
+def with_middles(pairs: Pairs, figures: Rows, grounds: Rows) -> Pairs:
+    """Return the pairs with the things' middles: what is measured of a thing is before it.
+
+    figures, grounds (n,): which rows are of one thing at one place. It is looked at from where the
+    viewers stand on average: what is seen from all around was measured around its middle.
+    """
+    told = ~np.isnan(distance_of(pairs))[:, None]
+    back_a = _backwards(pairs.position_a, pairs.extent_a, pairs.viewer, figures)
+    back_b = _backwards(pairs.position_b, pairs.extent_b, pairs.viewer, grounds)
+    return replace(
+        pairs,
+        position_a=pairs.position_a + np.where(told, back_a, 0.0),
+        position_b=pairs.position_b + np.where(told, back_b, 0.0),
+    )
+
+
+def _backwards(position: Floats, extent: Floats, viewer: Floats, things: Rows) -> Floats:
+    """Return the way in the plane from where things were measured to their middles (n, 3)."""
+    away = position - viewer[:, :3]
+    away[:, up_axis(viewer)[0]] = 0.0
+    with np.errstate(invalid="ignore", divide="ignore"):
+        away /= np.linalg.norm(away, axis=1, keepdims=True)
+    seen = ~np.isnan(away[:, 0])
+    looks = np.maximum(np.bincount(things, seen), 1.0)
+    sides = [np.bincount(things, np.where(seen, away[:, k], 0.0)) / looks for k in range(3)]
+    deep = SURFACE_SHARE * np.nan_to_num(np.minimum(extent[:, 0], THIN_M))
+    return np.asarray(np.stack(sides, axis=1)[things] * deep[:, None])
 
 
 def normal_cdf(z: Floats) -> Floats:

@@ -172,25 +172,13 @@ def relabelled(sighting: Sighting, stay: StayKey) -> Sighting:
     return replace(sighting, object_id=stay[0], place=stay[1])
 
 
-def renamed(encounter: Encounter, becomes: Mapping[StayKey, StayKey]) -> Encounter | None:
-    """Return the encounter with its stays renamed; None where a thing would meet itself."""
-    e = encounter
-    ends = [((e.object_a, e.place_a), e.box_a), ((e.object_b, e.place_b), e.box_b)]
-    (a, box_a), (b, box_b) = sorted((becomes.get(stay, stay), box) for stay, box in ends)
-    if a[0] == b[0]:
-        return None
-    return replace(
-        e, object_a=a[0], place_a=a[1], box_a=box_a, object_b=b[0], place_b=b[1], box_b=box_b
-    )
-
-
 def rename_encounters(
     encounters: Iterable[Encounter], becomes: Mapping[StayKey, StayKey]
 ) -> dict[EncounterKey, Encounter]:
     """Return encounters by key with their stays renamed; two that fall together are one."""
     result: dict[EncounterKey, Encounter] = {}
     for each in encounters:
-        other = renamed(each, becomes)
+        other = each.renamed(becomes)
         if other is None:
             continue
         key = encounter_key(other)

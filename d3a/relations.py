@@ -54,6 +54,8 @@ TOP_SHARE = 0.25
 """What is above a table clears this share of the way from its middle to its measured top: the box
 of a wide top that is looked down on reaches higher than the top, by the far edge, and that of a low
 one most. Of other things it clears all."""
+EYE_SHARE = 0.5
+"""A wide top is looked down on from above this share of its measured height over the middle."""
 SEAT_SHARE = 0.2
 """How far below its middle, as a share of its height, a thing may carry another: a couch's seat."""
 FITS_SHARE = 0.8
@@ -232,7 +234,7 @@ def _above(pairs: Pairs, _: Parameters) -> Floats:
     underside, top = _heights(pairs)
     axis, sign = up_axis(pairs.viewer)
     eye = sign * (pairs.viewer[:, :3] - pairs.position_b)[:, axis]
-    looked_down_on = pairs.usual_b & ~(top >= eye)
+    looked_down_on = pairs.usual_b & ~(EYE_SHARE * top >= eye)
     clear = np.where(looked_down_on, TOP_SHARE, 1.0)
     by_size = footprint(pairs) * normal_cdf((underside - clear * top) / _upright(pairs))
     return _tempered(pairs, by_box, by_size, lambda: _over_or_below(pairs, by_box, 1.0))

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
-from d3a.portion import Portion, relabelled, rename_encounters, renamed
+from d3a.portion import Portion, relabelled, rename_encounters
 from d3a.same_thing import Origin, heaviest, mean_look, ranked, votes_of
 from d3a.store.base import Encounter, ObjectRecord, Sighting, StayKey, StayRecord
 
@@ -135,7 +135,7 @@ class _Parts:
         result = list(rename_encounters(fresh, homes).values())
         for parts in kept:
             result += parts
-        own = [e for e in self._before.encounters.values() if renamed(e, self._origin) is None]
+        own = [e for e in self._before.encounters.values() if e.renamed(self._origin) is None]
         result += [e for e in own if {(e.object_a, e.place_a), (e.object_b, e.place_b)} <= known]
         there = {(e.object_a, e.place_a) for e in result} | {
             (e.object_b, e.place_b) for e in result
@@ -152,7 +152,7 @@ class _Parts:
         parts = [
             e
             for e in self._before.encounters.values()
-            if (r := renamed(e, self._origin)) is not None
+            if (r := e.renamed(self._origin)) is not None
             and (r.object_a, r.object_b, r.place_a, r.place_b, r.start_ms) == key
         ]
         last = max(parts, key=lambda e: (e.end_ms, e.object_a, e.object_b))

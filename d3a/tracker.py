@@ -168,7 +168,7 @@ class TrackerPipeline:
 
     def _meet(self, ref: FrameRef, seen: list[tuple[Known, Place]], found: list[Thing]) -> None:
         shown = [
-            ((thing.object_id, place.number), each.detection.box, each.detection.probability)
+            ((thing.object_id, place.number), each.detection)
             for (thing, place), each in zip(seen, found, strict=True)
         ]
         self._encounters.add(ref, shown, self._ledger)

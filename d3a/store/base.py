@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from d3a.model import Json
 from d3a.store.documents import (
+    Apart,
     Encounter,
     Keyframe,
     ObjectRecord,
@@ -42,6 +43,7 @@ if TYPE_CHECKING:
 __all__ = [
     "FORGOTTEN",
     "SCHEMA",
+    "Apart",
     "Area",
     "Batch",
     "Encounter",

@@ -5,8 +5,8 @@ Paper: the appendix (two collections). Times are UTC milliseconds, intervals are
 
 from __future__ import annotations
 
-from collections.abc import Collection
-from dataclasses import dataclass, field
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +15,8 @@ from d3a.model import Box, Position
 
 StayKey = tuple[str, int]
 """(object_id, place): one object at one location."""
+Apart = tuple[float, float, float, float]
+"""x, y, z from one thing to another and the deviation of that along each axis, metres."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -112,6 +114,9 @@ class Encounter:
     """Two objects seen in the same frames, over one interval; object_a < object_b.
 
     frame, image, box_a, box_b, viewer: the frame that shows both best. seen: shared frames.
+    apart: x, y, z from a to b as the shared frames measured it, and the deviation of that along
+    each, metres. Unlike the places of the two it has no error of the robot's place in it. None
+    where nothing was measured.
     """
 
     object_a: str
@@ -128,6 +133,29 @@ class Encounter:
     seen: int = 1
     recording: str = ""
     viewer: tuple[float, ...] | None = None
+    apart: Apart | None = None
+
+    def renamed(self, becomes: Mapping[StayKey, StayKey]) -> Encounter | None:
+        """Return the encounter with its stays renamed; None where a thing would meet itself."""
+        ends = ((self.object_a, self.place_a), (self.object_b, self.place_b))
+        a, b = (becomes.get(stay, stay) for stay in ends)
+        if a[0] == b[0]:
+            return None
+        named = replace(self, object_a=a[0], place_a=a[1], object_b=b[0], place_b=b[1])
+        return named if a < b else named._flipped()
+
+    def _flipped(self) -> Encounter:
+        apart = self.apart
+        return replace(
+            self,
+            object_a=self.object_b,
+            object_b=self.object_a,
+            place_a=self.place_b,
+            place_b=self.place_a,
+            box_a=self.box_b,
+            box_b=self.box_a,
+            apart=None if apart is None else (-apart[0], -apart[1], -apart[2], apart[3]),
+        )
 
     def is_between(self, ids: Collection[str] | None, others: Collection[str] | None) -> bool:
         """Whether one of the two is of `ids` and the other one of `others`; None: any object."""

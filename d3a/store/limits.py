@@ -290,6 +290,7 @@ def _encounter(record: Encounter) -> None:
     _whole("seen", record.seen)
     _text("recording", record.recording)
     _numbers("viewer", record.viewer, 7)
+    _numbers("apart", record.apart, 4)
 
 
 def _view(record: View) -> None:

@@ -223,6 +223,7 @@ def encounter_document(record: Encounter) -> Document:
         "seen": int(record.seen),
         "recording": record.recording,
         "viewer": _floats(record.viewer),
+        "apart": _floats(record.apart),
     }
 
 
@@ -244,6 +245,7 @@ def encounter_record(document: Document) -> Encounter:
         seen=document["seen"],
         recording=document["recording"],
         viewer=_tuple(document["viewer"]),
+        apart=_tuple(document.get("apart")),  # stores of the first versions have none
     )
 
 

@@ -42,7 +42,7 @@ SIGHTING_COLUMNS = (
 )
 ENCOUNTER_COLUMNS = (
     "object_a, object_b, place_a, place_b, start_ms, end_ms, frame, box_a, box_b, probability, "
-    "image, seen, recording, viewer"
+    "image, seen, recording, viewer, apart"
 )
 VIEW_COLUMNS = "start_ms, end_ms, frames, site, recording, x, y, yaw, half_angle, range_m"
 REGION_COLUMNS = "name, polygon, site"
@@ -205,6 +205,7 @@ def encounter_row(record: Encounter) -> Row:
         int(record.seen),
         record.recording,
         _doubles(record.viewer),
+        None if record.apart is None else _BOX.pack(*record.apart),
     )
 
 
@@ -225,6 +226,7 @@ def encounter_record(row: Row) -> Encounter:
         row[11],
         row[12],
         None if row[13] is None else _POSE.unpack(row[13]),
+        None if row[14] is None else _BOX.unpack(row[14]),
     )
 
 

@@ -129,6 +129,11 @@ def index_votes(connection: sqlite3.Connection) -> None:
     )
 
 
+def add_apart(connection: sqlite3.Connection) -> None:
+    """Turn schema 2 into 3: how far two things are from each other as a shared frame measured."""
+    connection.execute("ALTER TABLE encounter ADD COLUMN apart BLOB")
+
+
 def refuse_future(version: int, newest: int) -> None:
     """Raise StoreError for a schema that a later version of the product has written."""
     if version > newest:

@@ -12,7 +12,7 @@ from d3a.store.base import StoreError, StoreMissing, StoreUnreachable
 from d3a.store.schema import APPLICATION_ID, Migration
 from d3a.store.sqlite import BUSY_TIMEOUT_S, SqliteStore, connect
 
-MIGRATIONS: tuple[Migration, ...] = (schema.index_votes,)
+MIGRATIONS: tuple[Migration, ...] = (schema.index_votes, schema.add_apart)
 _OLDEST = (3, 24, 0)  # the first with upserts
 
 

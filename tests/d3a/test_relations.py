@@ -211,6 +211,7 @@ def test_pairs_are_judged_row_by_row() -> None:
 CUP, CHAIR, COUCH, TABLE_SIZE = (0.1, 0.1), (0.5, 0.9), (1.9, 0.9), (1.2, 0.8)
 BOX = (0.5, 0.4)
 SHELF = (1.5, 1.25)
+HIGH_TABLE, FRIDGE = (1.0, 1.1), (0.8, 1.8)
 
 
 @pytest.mark.parametrize(
@@ -234,8 +235,10 @@ SHELF = (1.5, 1.25)
         ("under", (2.0, 0.2, 0.1), (2.0, 0.0, 0.4), TABLE_SIZE, CHAIR, True, False),
         ("above", (2.0, 0.2, 1.4), (2.0, 0.0, 0.4), CUP, TABLE_SIZE, True, True),
         ("above", (2.0, 0.2, 0.5), (2.0, 0.0, 0.45), CUP, COUCH, True, False),
-        ("above", (2.0, 0.2, 1.0), (2.0, 0.0, 0.6), CUP, SHELF, True, False),  # on its upper board
-        ("above", (2.0, 0.2, 1.35), (2.0, 0.0, 0.6), CUP, SHELF, True, True),
+        ("above", (2.0, 0.2, 1.0), (2.0, 0.0, 0.6), CUP, SHELF, False, False),  # on its upper board
+        ("above", (2.0, 0.2, 1.35), (2.0, 0.0, 0.6), CUP, SHELF, False, True),
+        ("above", (2.0, 0.2, 0.8), (2.0, 0.0, 0.5), CUP, HIGH_TABLE, True, True),  # by its far edge
+        ("above", (2.0, 0.2, 1.1), (2.0, 0.0, 0.95), CUP, FRIDGE, True, False),  # before its door
         ("on", (2.75, 0.0, 0.85), (2.0, 0.0, 0.4), CUP, (0.8, 0.8), True, True),  # at its far end
         ("on", (3.3, 0.0, 0.85), (2.0, 0.0, 0.4), CUP, (0.8, 0.8), True, False),  # on the next one
         ("under", (2.0, 0.0, 0.05), (2.0, 0.0, 0.45), CUP, (0.25, 0.1), False, False),  # no roof
@@ -257,6 +260,12 @@ def test_measured_things(
         figure, ground, viewer=FACING_X, size_a=size_a, size_b=size_b, usual=usual, sigma=0.08
     )
     assert (holds(kind, one) > 0.5) is expected
+
+
+@pytest.mark.parametrize(("sigma", "expected"), [(0.02, True), (0.3, False)])
+def test_of_a_narrow_thing_s_outline_most_places_are_outside(sigma: float, expected: bool) -> None:
+    one = pair((2, 0, 0.8), (2, 0, 0.05), viewer=FACING_X, size_a=CUP, size_b=CUP, sigma=sigma)
+    assert (holds("above", one) > 0.5) is expected
 
 
 def test_a_table_that_is_mostly_hidden_still_carries_what_is_beside_its_box() -> None:

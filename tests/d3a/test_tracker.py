@@ -193,6 +193,8 @@ def test_shared_frames_become_encounters() -> None:
     assert (encounter.object_a, encounter.object_b) == ("o1", "o2")
     assert encounter.seen == 6
     assert encounter.box_a != encounter.box_b
+    assert encounter.apart is not None
+    assert encounter.apart[:3] == pytest.approx((-0.3, 0.0, 0.0))  # from the bowl to the cup
 
 
 def test_an_interval_keeps_its_best_frame_and_closes_after_a_pause() -> None:

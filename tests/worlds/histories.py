@@ -141,6 +141,7 @@ def encounters(draw: st.DrawFn, known: list[tuple[str, int]]) -> Encounter:
         draw(whole),
         draw(texts),
         draw(poses),
+        draw(st.none() | boxes),
     )
 
 

@@ -93,6 +93,7 @@ REFUSED = [
     (Batch(sightings=[a_sighting(start_ms=-1)]), "start -1 is outside"),
     (Batch(encounters=[an_encounter(object_a="c")]), "object_a must come before"),
     (Batch(encounters=[an_encounter(box_b=(NAN, 0.0, 1.0, 1.0))]), "box_b must be a finite"),
+    (Batch(encounters=[an_encounter(apart=(0.0, 0.0, 1.0))]), "apart needs 4 numbers, not 3"),
     (Batch(views=[View(0, 1, 1, x=NAN)]), "x must be a finite"),
     (Batch(keyframes=[Keyframe("k", b"", 1, 1, 0)]), "0 bytes"),
     (Batch(keyframes=[Keyframe("k", b"x", 0, 1, 0)]), "width 0 is outside"),

@@ -15,7 +15,14 @@ from pathlib import Path
 import pytest
 
 from d3a.store import mask, open_store
-from d3a.store.base import Batch, ObjectRecord, StoreError, StoreUnreachable
+from d3a.store.base import (
+    Batch,
+    Encounter,
+    ObjectRecord,
+    StayRecord,
+    StoreError,
+    StoreUnreachable,
+)
 from d3a.store.mongo_server import check_version, open_mongo
 from d3a.store.schema import APPLICATION_ID
 from d3a.store.sqlite_file import MIGRATIONS, open_sqlite
@@ -105,18 +112,18 @@ def test_a_newer_schema_is_refused_and_an_older_one_migrated(tmp_path: Path) -> 
 
     with pytest.raises(StoreUnreachable, match="disk is full"):
         open_sqlite(path, migrations=(*MIGRATIONS, add_table, fail))
-    with pytest.raises(StoreError, match="old schema 2"):
+    with pytest.raises(StoreError, match="old schema 3"):
         open_sqlite(path, read_only=True, migrations=(*MIGRATIONS, add_table))
     with closing(open_sqlite(path, migrations=(*MIGRATIONS, add_table))) as store:
         assert [record.object_id for record in store.objects()] == ["a"]
     with closing(sqlite3.connect(path)) as connection:
-        assert connection.execute("PRAGMA user_version").fetchone() == (3,)
+        assert connection.execute("PRAGMA user_version").fetchone() == (4,)
         assert connection.execute("PRAGMA application_id").fetchone() == (APPLICATION_ID,)
         names = {name for (name,) in connection.execute("SELECT name FROM sqlite_master")}
     assert "added" in names
     assert "half" not in names
     for read_only in (False, True):
-        with pytest.raises(StoreError, match=r"schema 3.*update d3a"):
+        with pytest.raises(StoreError, match=r"schema 4.*update d3a"):
             open_store(str(path), read_only=read_only)
 
 
@@ -127,12 +134,36 @@ def test_a_file_of_schema_1_gets_the_index_of_votes(tmp_path: Path) -> None:
         store.apply(Batch([ObjectRecord("a", "cup", 1.0, 0, 0, categories=votes)]))
     with closing(sqlite3.connect(path)) as connection:  # as the first release made it
         connection.execute("DROP TABLE oic_vote")
+        connection.execute("ALTER TABLE encounter DROP COLUMN apart")
         connection.execute("PRAGMA user_version = 1")
         connection.commit()
     with closing(open_store(str(path))) as store:
         assert [o.object_id for o in store.objects(categories=["bowl"], votes=True)] == ["a"]
         store.apply(Batch(removed_objects=["a"]))
         assert store.check() == []
+
+
+def test_encounters_of_schema_2_are_read_without_what_they_did_not_measure(tmp_path: Path) -> None:
+    path, box = tmp_path / "home.db", (0.0, 0.0, 1.0, 1.0)
+    old, new = (
+        Encounter("a", "b", 0, 0, start, start, "f", box, box, 0.5, apart=apart)
+        for start, apart in ((1, None), (2, (0.1, 0.2, 0.3, 0.05)))
+    )
+    with closing(open_store(str(path))) as store:
+        store.apply(
+            Batch(
+                [ObjectRecord(name, "cup", 1.0, 0, 9) for name in "ab"],
+                [StayRecord(name, 0, None, 0, 9, 1.0) for name in "ab"],
+                encounters=[old],
+            )
+        )
+    with closing(sqlite3.connect(path)) as connection:
+        connection.execute("ALTER TABLE encounter DROP COLUMN apart")
+        connection.execute("PRAGMA user_version = 2")
+        connection.commit()
+    with closing(open_store(str(path))) as store:
+        store.apply(Batch(encounters=[new]))
+        assert store.encounters() == [old, new]
 
 
 def test_two_processes_may_make_one_store(tmp_path: Path) -> None:
