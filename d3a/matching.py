@@ -60,9 +60,9 @@ class Gated:
 
     rows: NDArray[np.intp]
     columns: Floats
-    first: list[int]
-    target: list[int]
-    further: list[tuple[list[int], list[int]]]
+    first: NDArray[np.intp]
+    target: NDArray[np.intp]
+    further: list[tuple[NDArray[np.intp], NDArray[np.intp]]]
     placeless: list[int]
     things: int
 
@@ -109,6 +109,10 @@ def _beside(observed: Observed, placed: NDArray[np.bool_]) -> dict[tuple[int, in
                 if apart_m <= REACH_M:
                     found[j, i] = apart_m
     return found
+
+
+def _indices(numbers: list[int]) -> NDArray[np.intp]:
+    return np.array(numbers, dtype=np.intp)
 
 
 class Matcher:
@@ -264,7 +268,8 @@ class Matcher:
         if len(first) < len(things):
             placeless = [j for j, t in enumerate(things) if all(p.row < 0 for p in t.places)]
         columns = self._memory.positions.columns[:, rows]
-        return Gated(rows, columns, first, target, further, placeless, len(things))
+        turns = [(_indices(places), _indices(of)) for places, of in ((first, target), *further)]
+        return Gated(rows, columns, *turns[0], turns[1:], placeless, len(things))
 
     def _place(self, frame: Frame, gated: Gated) -> tuple[Floats, NDArray[np.intp]]:
         """Return the evidence of place, (2, n, m), and the row of the place it is of.
@@ -381,8 +386,10 @@ class Matcher:
         scale, mean = self._scale(pose), self.offset.mean.tolist()
         shared = of_rows(self.offset.covariance.ravel().tolist())
         nine, places = observed.noise.reshape(-1, 9).tolist(), observed.places.tolist()
+        summed, count = self.residuals.tolist()
         for i, place in pairs:
             noise = [n * scale + o for n, o in zip(of_rows(nine[i]), shared, strict=True)]
             squared = positions.pull(place.row, places[i], mean, noise, self._parameters)
             if pose is not None and squared <= self._parameters.noise_gate:
-                self.residuals += (squared / 3, 1)
+                summed, count = summed + squared / 3, count + 1.0
+        self.residuals = np.array([summed, count])

@@ -72,6 +72,8 @@ class Moves:
         """By category (BINS,): how often two different things of it were so much alike."""
         self.compared: set[int] = set()
         """Numbers of the things that `others` has learned from."""
+        self._dense: dict[str, list[float]] = {}
+        """What `_densities` has told by category, until more is learned."""
 
     def find(self, changed: set[int]) -> list[Link]:
         """Return the moves that are likelier than all else that either thing may be, together.
@@ -159,6 +161,7 @@ class Moves:
                 and other is not new
             ]
             if others:
+                self._dense.clear()
                 counts = self.others.setdefault(new.category, [0.0] * BINS)
                 for likeness in self._likeness(new, others):
                     counts[_bin(likeness)] += 1.0
@@ -201,6 +204,8 @@ class Moves:
         usual is told by all categories, each by `OTHER_PRIOR` pairs at most, and is worth as many
         against the category's own.
         """
+        if (known := self._dense.get(kind)) is not None:
+            return known
         usual = _assumed()
         for category in sorted(self.others):
             counts = np.array(self.others[category])
@@ -209,6 +214,7 @@ class Moves:
         above = pairs[::-1].cumsum()[::-1]
         first = np.maximum(np.arange(BINS) - 1, 0)
         density: list[float] = (above[first] / above[0] / ((BINS - first) * 2 / BINS)).tolist()
+        self._dense[kind] = density
         return density
 
 

@@ -76,3 +76,14 @@ def test_a_stranger_s_look_is_no_move_even_of_the_only_such_thing() -> None:
     old.places[0].evidence, old.places[0].misses = 9.0, 3
     _thing(memory, 1, [0.0, 1.0, 0.0], 2000, 3000)
     assert moves.find({0, 1}) == []
+
+
+def test_what_is_learned_of_others_counts_at_once() -> None:
+    moves = _moves({})
+    memory = moves._memory
+    old = _thing(memory, 0, [1.0, 0.0, 0.0], 0, 3000)
+    new = _thing(memory, 1, [1.0, 0.0, 0.0], 1000, 3000)
+    before = moves._densities("bag")
+    assert moves._densities("bag") == before
+    moves._compare([new], [old, new])  # both were seen since: two of them look just alike
+    assert moves._densities("bag")[-1] > before[-1]
