@@ -7,7 +7,7 @@ just as another does.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence, Set
 from typing import Any
 
 from d3a.store.base import (
@@ -73,9 +73,9 @@ class Ledger:
             return {}
         return {record.object_id: record.names for record in self._store.objects(names=words)}
 
-    def has_name(self, object_id: str) -> bool:
-        """Say whether people gave the object a name, by now."""
-        return any(record.names for record in self._store.objects(ids=[object_id]))
+    def named(self, object_ids: Sequence[str]) -> set[str]:
+        """Return which of some objects have a name that people gave, by now."""
+        return {record.object_id for record in self._store.objects(ids=object_ids) if record.names}
 
     # writes
     def put_object(self, record: ObjectRecord) -> None:
@@ -98,11 +98,12 @@ class Ledger:
         """Put a view, whatever was there."""
         self._views.append(record)
 
-    def remove_object(self, object_id: str) -> None:
-        """Remove an object with its stays, sightings and encounters."""
-        self._gone_objects.add(object_id)
-        self._objects.pop(object_id, None)
-        self._forget(lambda stay: stay[0] == object_id)
+    def remove_objects(self, object_ids: Set[str]) -> None:
+        """Remove objects with their stays, sightings and encounters."""
+        self._gone_objects.update(object_ids)
+        for object_id in object_ids:
+            self._objects.pop(object_id, None)
+        self._forget(lambda stay: stay[0] in object_ids)
 
     def remove_stay(self, stay: StayKey) -> None:
         """Remove a stay with its sightings and encounters."""
@@ -115,7 +116,7 @@ class Ledger:
         self._gone_sightings.add(key)
         self._sightings.pop(key, None)
 
-    def _forget(self, matches: Any) -> None:
+    def _forget(self, matches: Callable[[StayKey], bool]) -> None:
         self._stays = {k: r for k, r in self._stays.items() if not matches(k)}
         self._sightings = {k: r for k, r in self._sightings.items() if not matches(r.stay)}
         self._encounters = {

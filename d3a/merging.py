@@ -144,7 +144,7 @@ def merge(
     becomes, was = (kept.object_id, place.number), (gone.object_id, lost.number)
     sightings = ledger.sightings([kept.object_id, gone.object_id])
     encounters = ledger.encounters(gone.object_id)
-    ledger.remove_object(gone.object_id)
+    ledger.remove_objects({gone.object_id})
     for sighting in sightings:
         if sighting.stay == becomes:
             ledger.remove_sighting(sighting)

@@ -247,7 +247,7 @@ def apply_link(link: Link, memory: Memory, ledger: Ledger, parameters: Parameter
     sightings = ledger.sightings([new.object_id])
     encounters = ledger.encounters(new.object_id)
     _merge(old, new, memory, parameters)
-    ledger.remove_object(new.object_id)
+    ledger.remove_objects({new.object_id})
     for sighting in sightings:
         ledger.put_sighting(replace(sighting, object_id=becomes[0], place=becomes[1]))
     for encounter in encounters:

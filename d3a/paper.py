@@ -97,7 +97,7 @@ class PaperPipeline:
         if shown not in self._volatile.values():
             for record in self._ledger.objects(ids=[shown]):
                 if record.volatile:
-                    self._ledger.remove_object(shown)
+                    self._ledger.remove_objects({shown})
 
     def take_constraints(self, constraints: Constraints) -> None:
         """Keep what people said from here on: what they made one is a candidate at its places."""

@@ -224,20 +224,28 @@ class TrackerPipeline:
 
     def _expire(self, missed: list[Known]) -> None:
         """Drop tentative things that were not there in several looks that should show them."""
+        over = {thing.object_id: thing for thing in missed if self._is_over(thing)}
+        if not over:
+            return
+        told = self._fixed | self._ledger.named(sorted(over))
+        gone = {name: thing for name, thing in over.items() if name not in told and not thing.names}
+        self._encounters.forget(gone.keys())
+        self._ledger.remove_objects(gone.keys())
+        for name, thing in gone.items():
+            entry = entry_name((name, thing.places[0].number))
+            self._events.append(Became(entry, None, EXPIRED))
+            self._memory.remove(thing)
+
+    def _is_over(self, thing: Known) -> bool:
+        """Say whether a thing was most likely none."""
         parameters = self._parameters
+        if thing.row < 0 or thing.seen >= parameters.confirm_sightings:
+            return False
+        place = thing.places[0]
         closed_ms = self._now_ms - parameters.interval_gap_s * 1000
-        for thing in missed:
-            if thing.row < 0 or thing.seen >= parameters.confirm_sightings:
-                continue
-            place = thing.places[0]
-            is_doubted = place.doubt >= parameters.doubt_odds and place.last_ms < closed_ms
-            is_missed = all(p.evidence + p.doubt >= parameters.expire_odds for p in thing.places)
-            if (is_missed or is_doubted) and not self._is_told(thing):
-                self._encounters.forget({thing.object_id})
-                self._ledger.remove_object(thing.object_id)
-                name = entry_name((thing.object_id, thing.places[0].number))
-                self._events.append(Became(name, None, EXPIRED))
-                self._memory.remove(thing)
+        if place.doubt >= parameters.doubt_odds and place.last_ms < closed_ms:
+            return True
+        return all(p.evidence + p.doubt >= parameters.expire_odds for p in thing.places)
 
     def _link(self, changed: set[int]) -> None:
         for link in self._moves.find(changed):
@@ -281,7 +289,7 @@ class TrackerPipeline:
 
     def _is_named(self, thing: Known) -> bool:
         """Say whether a thing has a name, also since the last checkpoint."""
-        return bool(thing.names) or self._ledger.has_name(thing.object_id)
+        return bool(thing.names) or bool(self._ledger.named([thing.object_id]))
 
     def write(self) -> None:
         """Put what changed into the ledger, as ordinary records."""

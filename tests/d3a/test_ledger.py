@@ -56,7 +56,7 @@ def write(ledger: Ledger, step: Write) -> None:
             meeting = Encounter(a[0], b[0], a[1], b[1], start, start, "f", box, box, 0.5)
             ledger.put_encounter(meeting)
     elif step.kind == "lose object":
-        ledger.remove_object(object_id)
+        ledger.remove_objects({object_id})
     elif step.kind == "lose stay":
         ledger.remove_stay((object_id, step.place))
     else:
