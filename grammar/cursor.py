@@ -49,6 +49,7 @@ class Cursor:
         self.out = Tagged()
         self.room = False
         self.superlatives = {w.text for w in self.words} & {"closest", "nearest", "closer"}
+        self.owned = any(w.text.endswith("'s") for w in self.words)
         self.several: set[int] = set()
         self.i = 0
 

@@ -46,6 +46,8 @@ class NounTagger(ClauseTagger):
 
     def _at_least(self) -> bool:
         """Take `at least two`, `more than two` before a noun as how many there must be."""
+        if self._text(self.i) not in ("at", "more", "no"):
+            return False
         here = [self._text(self.i + k) for k in range(3)]
         said = next((s for s in _LEAST if here[: len(s)] == [*s]), ())
         if not said or self._text(self.i - 1) in _DENYING:
@@ -241,6 +243,8 @@ class NounTagger(ClauseTagger):
         Of kin and a name the name counts, as it does alone.
         """
         k = self.i
+        if not self.owned or not self._open_at(k):
+            return False
         while self._open_at(k) and not self._text(k).endswith("'s"):
             k += 1
         several = self.i < k <= self.i + 2 and self._text(k).endswith("'s")

@@ -37,9 +37,10 @@ class OpenTagger(RelationTagger):
 
     def _named_after(self, k: int) -> bool:
         """Whether the thing of a pronoun stands right after it: where are they the scissors."""
-        pronoun = self._text(self.i) in ("it", "they") and self.it is None
+        if self._text(self.i) not in ("it", "they") or self.it is not None:
+            return False
         named = self._text(k) in DETERMINERS or self._text(k) in OWNERS
-        return pronoun and self._last() == "BE" and named
+        return named and self._last() == "BE"
 
     def _plain(self) -> bool:
         """Tag determiners, numbers, pronouns and the open words of noun phrases."""
@@ -92,6 +93,8 @@ class OpenTagger(RelationTagger):
 
     def _apposed(self) -> bool:
         """Read the one that is said after its kind: the box, the cardboard one."""
+        if self._last() not in ("NOUN", "COMMA"):
+            return False
         kinds = [t.type for t in self.out.tags[-2:]]
         end = self.i + 1
         while self._open_at(end):

@@ -100,7 +100,8 @@ def refuse_early(
 
 def _at_most(texts: list[str]) -> int | None:
     """Return where a number of things is bounded from above: fewer than three cups."""
-    for i in range(len(texts) - 2):
+    bounds = any(text in ("than", "most", "to", "maximum") for text in texts)
+    for i in range(len(texts) - 2 if bounds else 0):
         said = next((s for s in _BOUNDS if texts[i : i + len(s)] == [*s]), ())
         least = i > 0 and texts[i - 1] == "no"  # no fewer than
         said = () if least else said

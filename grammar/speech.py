@@ -248,9 +248,8 @@ def _without_stutter(words: list[Word], lexicon: Lexicon) -> list[Word]:
         while i < len(kept):
             here = [w.text for w in kept[i : i + size]]
             again = [w.text for w in kept[i + size : i + 2 * size]]
-            after = kept[i + 2 * size].text if i + 2 * size < len(kept) else ""
-            twice = here == again and len(here) == size
-            if twice and not (_meant_twice(here) or _looks_like_itself(here, after, lexicon)):
+            twice = here == again and len(here) == size and not _meant_twice(here)
+            if twice and not _looks_like_itself(here, kept[i + 2 * size :], lexicon):
                 i += size
                 continue
             out.append(kept[i])
@@ -264,10 +263,11 @@ def _meant_twice(said: list[str]) -> bool:
     return all(word in numbers.CARDINALS or word.isdecimal() for word in said) or said == [","]
 
 
-def _looks_like_itself(said: list[str], after: str, lexicon: Lexicon) -> bool:
+def _looks_like_itself(said: list[str], rest: list[Word], lexicon: Lexicon) -> bool:
     """Whether a look and its thing are one word: the orange orange, the glass glass."""
     one = said[0] if len(said) == 1 else ""
-    return one in lexicon.attributes and one in lexicon.nouns and not is_open(after)
+    ends = not rest or not is_open(rest[0].text)
+    return ends and one in lexicon.attributes and one in lexicon.nouns
 
 
 def _opened(words: list[Word]) -> list[Word]:

@@ -135,6 +135,8 @@ def _joined_attributes(tags: list[Tag]) -> list[Tag]:
 
 def _owned_alike(tags: list[Tag]) -> list[Tag]:
     """Give a thing said after `and` the owner of the one before it: anna's shoes and bag."""
+    if not any(t.type == "OWNER" for t in tags):
+        return tags
     out: list[Tag] = []
     owner: Tag | None = None
     for i, tag_ in enumerate(tags):
