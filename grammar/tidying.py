@@ -134,8 +134,12 @@ def _joined_attributes(tags: list[Tag]) -> list[Tag]:
 
 
 def _owned_alike(tags: list[Tag]) -> list[Tag]:
-    """Give a thing said after `and` the owner of the one before it: anna's shoes and bag."""
-    if not any(t.type == "OWNER" for t in tags):
+    """Give a thing said after `and` the owner of the one before it: anna's shoes and bag.
+
+    What `or` joins is offered one at a time, each with its owner.
+    """
+    kinds = {t.type for t in tags}
+    if "OWNER" not in kinds or "OR" in kinds:
         return tags
     out: list[Tag] = []
     owner: Tag | None = None
