@@ -6,9 +6,11 @@ the ids are the most that there may be, and the fullest round tells the least.
 
 from __future__ import annotations
 
+import math
+from bisect import bisect
 from collections.abc import Iterable, Sequence
 
-from d3a.store.base import Sighting
+from d3a.store.base import ObjectRecord, Sighting
 
 ROUND_GAP_MS = 600_000
 """Sightings further apart than this are of two rounds: between them a thing may be carried."""
@@ -36,3 +38,49 @@ def least_number(sightings: Sequence[Sighting]) -> int:
 def may_be_one(sightings: Sequence[Sighting]) -> bool:
     """Whether the objects of these sightings, of one category, may be fewer than their ids."""
     return least_number(sightings) < len({s.object_id for s in sightings})
+
+
+def things_of(records: Iterable[ObjectRecord]) -> dict[str, int]:
+    """Return a number for each object by its id, the same for those that may be one thing.
+
+    They are of one category and site, and each was seen for the last time before the next was seen
+    at all. Each goes to the first group, in the order given, that it may belong to; as a thing is
+    in one place at a time, it must fit all of the group.
+    """
+    numbers: dict[str, int] = {}
+    kinds: dict[tuple[str, str], _Kind] = {}
+    for record in records:
+        if record.object_id not in numbers:
+            kind = kinds.setdefault((record.site, record.category), _Kind())
+            span = (record.first_ms, record.last_ms)
+            numbers[record.object_id] = kind.add(span, len(numbers))
+    return numbers
+
+
+class _Kind:
+    """The things of one category and site: the spans over which each was seen, in order."""
+
+    def __init__(self) -> None:
+        self._things: list[tuple[int, list[tuple[int, int]]]] = []
+        self._first_end, self._last_start = math.inf, -math.inf
+
+    def add(self, span: tuple[int, int], number: int) -> int:
+        """Return the number of the first thing that was out of sight then, else make a new one."""
+        # Most things are seen all the time: what overlaps every span needs no further look.
+        is_apart = self._first_end < span[0] or span[1] < self._last_start
+        fitting = (each for each in self._things if is_apart and _fits(span, each[1]))
+        found = next(fitting, None)
+        if found is None:
+            found = (number, [])
+            self._things.append(found)
+        found[1].insert(bisect(found[1], span), span)
+        self._first_end = min(self._first_end, span[1])
+        self._last_start = max(self._last_start, span[0])
+        return found[0]
+
+
+def _fits(span: tuple[int, int], spans: Sequence[tuple[int, int]]) -> bool:
+    """Whether a span overlaps none of those, which are in order and apart from each other."""
+    place = bisect(spans, span)
+    is_after = place == 0 or spans[place - 1][1] < span[0]
+    return is_after and (place == len(spans) or span[1] < spans[place][0])

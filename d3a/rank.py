@@ -14,6 +14,7 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 from d3a.calibration import calibrated, kind_of
+from d3a.distinct import things_of
 from d3a.model import Json
 from d3a.moments import Entry, Moment
 from d3a.points import MINUTE
@@ -203,16 +204,23 @@ def _spread(scored: Sequence[Ranked], told: int) -> list[Ranked]:
 def _new_first(scored: Sequence[Ranked], told: int) -> list[Ranked]:
     """Return things not shown before first, then their other places, then the rest.
 
+    What may be a thing shown already, carried elsewhere under a new id, comes before their other
+    places, and after what is surely another one.
+
     Several things in a relation are new as a pair: first pictures that show pairs not shown
     before, each picture once; then every pair by a moment of its own; then its places.
     """
     waiting = list(scored)
     out: list[Ranked] = []
+    keys: list[Callable[[Moment], object]] = [_ids, _places]
     if any(len(one.moment.entries) > 1 for one in waiting):
         out = _covering(waiting)
         chosen = {id(one) for one in out}
         waiting = [one for one in waiting if id(one) not in chosen]
-    for key_of in (_ids, _places):
+    else:
+        things = things_of(one.moment.figure.candidate.record for one in scored)
+        keys.insert(0, lambda moment: things[moment.figure.candidate.record.object_id])
+    for key_of in keys:
         if len(out) >= told:
             return out + waiting
         seen = {key_of(one.moment) for one in out}

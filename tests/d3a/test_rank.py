@@ -33,8 +33,9 @@ def moment(
     tentative: bool = False,
     attributes: dict[str, float] | None = None,
     relation: float | None = None,
+    span: tuple[int, int] = (0, 0),
 ) -> Moment:
-    record = ObjectRecord(name, "cup", 1.0, 0, 0, tentative=tentative)
+    record = ObjectRecord(name, "cup", 1.0, *span, tentative=tentative)
     stay = StayRecord(name, place, (0, 0, 0), start, start, 1.0, seen=seen)
     box = (0.0, 0.0, 1.0, 1.0)
     sighting = Sighting(name, place, start, start + 5, "f", probability, box)
@@ -87,6 +88,15 @@ def test_each_object_comes_once_before_its_other_places() -> None:
     moments = [moment("a", 0), moment("a", 10, place=1), moment("b", 20, probability=0.8)]
     moments += [moment("a", 30, place=1), moment("b", 40, probability=0.8)]
     assert order(moments, spread=True) == ["a@0", "b@20", "a@10", "a@30", "b@40"]
+
+
+def test_what_may_be_a_thing_carried_elsewhere_comes_after_surely_another() -> None:
+    carried = moment("c", 60, probability=0.88, span=(60, 90))
+    moments = [moment("a", 0, span=(0, 50)), moment("a", 40, place=1, span=(0, 50)), carried]
+    moments.append(moment("b", 20, probability=0.8, span=(20, 70)))
+    assert order(moments, spread=True) == ["a@0", "b@20", "c@60", "a@40"]
+    told = rank(moments, "all", spread=True, told=2)
+    assert [one.moment.figure.sighting.object_id for one in told] == ["a", "b", "a", "c"]
 
 
 def pair(a: str, b: str, start: int, frame: str, probability: float = 0.9) -> Moment:
