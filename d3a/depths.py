@@ -8,11 +8,13 @@ nothing is doubted.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from d3a.geometry import project
+from d3a.model import Box
 from d3a.parameters import Parameters
 from d3a.sightings import Metres, Scene
 
@@ -61,16 +63,13 @@ class Doubts:
         self.counts: Floats = np.array([TRUE_SHARE * TRUE_PRIOR] * 2 + [TRUE_PRIOR])
         """(3,): recognised things that depth spoke against, as BEHIND and BEFORE, and all."""
 
-    def judge(self, scene: Scene, places: Floats, boxes: Floats) -> list[int]:
-        """Return AGREES, BEHIND or BEFORE for detections at places (k, 3), NaN where unknown.
-
-        boxes: (k, 4).
-        """
+    def judge(self, scene: Scene, places: Floats, boxes: Sequence[Box]) -> list[int]:
+        """Return AGREES, BEHIND or BEFORE for detections at places (k, 3), NaN where unknown."""
         none = [AGREES] * len(places)
         if scene.depth is None or scene.pose is None or scene.camera is None or not none:
             return none
         seen = project(places, scene.pose, scene.camera)
-        sides = np.minimum(boxes[:, 2] - boxes[:, 0], boxes[:, 3] - boxes[:, 1])
+        sides = np.array([min(x2 - x1, y2 - y1) for x1, y1, x2, y2 in boxes])
         half = np.maximum(LEAST, BOX_SHARE * sides)
         known = ~np.isnan(seen.u)
         u, v = np.where(known, seen.u, -1e6), np.where(known, seen.v, -1e6)

@@ -72,13 +72,13 @@ class Known:
     met: set[int] = field(default_factory=set)
     row: int = -1
     dirty: bool = True
+    object_id: str = field(init=False, repr=False)
+    """The id in the store."""
     _named: str | None = field(default=None, init=False, repr=False)
     _shares: dict[str, float] | None = field(default=None, init=False, repr=False)
 
-    @property
-    def object_id(self) -> str:
-        """The id in the store."""
-        return object_id_of(self.number)
+    def __post_init__(self) -> None:
+        self.object_id = object_id_of(self.number)
 
     def vote(self, category: str, weight: float) -> None:
         """Add the weight of a detection that was named so."""

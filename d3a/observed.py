@@ -32,12 +32,6 @@ class Observed:
     nowhere: NDArray[np.bool_]
     pictured: NDArray[np.bool_]
 
-    @property
-    def boxes(self) -> Floats:
-        """(n, 4): in pixels."""
-        boxes = [thing.detection.box for thing in self.things]
-        return np.array(boxes, dtype=np.float64).reshape(-1, 4)
-
     @classmethod
     def of(cls, things: list[Thing], is_histogram: bool) -> Observed:
         """Return the arrays of a frame's things."""

@@ -125,6 +125,21 @@ class Interval:
             viewer=self.viewer,
         )
 
+    def grown(self, ref: FrameRef, detection: Detection) -> Interval:
+        """Return the interval with a later view of the thing."""
+        if detection.probability > self.probability:
+            shown = (
+                detection.probability, detection.category, ref.name, ref.time_ms, detection.box,
+                ref.image, ref.viewer, ref.recording,
+            )  # fmt: skip
+        else:
+            shown = (
+                self.probability, self.category, self.frame, self.keyframe_ms, self.box,
+                self.image, self.viewer, self.recording,
+            )  # fmt: skip
+        start_ms, end_ms = min(self.start_ms, ref.time_ms), max(self.end_ms, ref.time_ms)
+        return Interval(start_ms, end_ms, self.seen + 1, *shown)
+
     def union(self, other: Interval) -> Interval:
         """Return both as one, with the better keyframe."""
         is_better = (-other.probability, other.keyframe_ms) < (-self.probability, self.keyframe_ms)

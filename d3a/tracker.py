@@ -24,7 +24,7 @@ from d3a.likelihood import CategoryModel
 from d3a.matching import Matcher
 from d3a.memory import Memory
 from d3a.merging import Evidence, merge, never_together
-from d3a.model import Json
+from d3a.model import Detection, Json
 from d3a.moves import Moves, apply_link
 from d3a.observed import Observed
 from d3a.parameters import Parameters
@@ -50,8 +50,12 @@ class TrackerPipeline:
         self._memory = Memory()
         self._categories = CategoryModel(parameters)
         self._matcher = Matcher(self._memory, self._categories, parameters)
-        looks = self._matcher.looks
-        self._moves = Moves(self._memory, self._matcher.space, looks, parameters)
+        looks, space = self._matcher.looks, self._matcher.space
+        self._moves = Moves(self._memory, space, looks, parameters)
+        neighbours = self._matcher.neighbours
+        self._evidence = Evidence(
+            self._memory, space, looks, self._categories, neighbours, parameters
+        )
         self._absence = Absence(self._memory, parameters)
         self._recall = Recall(self._memory, ledger, stored, parameters, outside)
         self._doubts = Doubts(parameters)
@@ -69,7 +73,8 @@ class TrackerPipeline:
         found = things(scene.detections, self._parameters)
         observed = Observed.of(found, self._is_histogram)
         self._fetch(observed, scene)
-        said = self._doubts.judge(scene, observed.places, observed.boxes)
+        boxes = [thing.detection.box for thing in found]
+        said = self._doubts.judge(scene, observed.places, boxes)
         matches = self._matcher.match(observed, scene.ref.time_ms, scene.pose)
         seen: list[tuple[Known, Place]] = []
         moved: list[tuple[int, Place]] = []
@@ -143,28 +148,34 @@ class TrackerPipeline:
             each.first_ms = min(each.first_ms, ref.time_ms)
         thing.dirty = True
         key = (thing.object_id, place.number)
-        self._grow(place, Interval.of(ref, detection), key)
+        self._grow(place, ref, detection, key)
         name = entry_name(key)
         self._events += [Seen(row.row, ref.name, row.box, name) for row in found.rows]
 
-    def _grow(self, place: Place, view: Interval, key: StayKey) -> None:
+    def _grow(self, place: Place, ref: FrameRef, detection: Detection, key: StayKey) -> None:
         """Extend the open interval, or close it and begin another."""
-        old, place.open = place.open, view
-        if old is None:
+        old = place.open
+        if old is not None and self._goes_on(place, old, ref.time_ms):
+            place.open = old.grown(ref, detection)
             return
-        if self._goes_on(place, old, view) and old.fits(view, self._parameters):
-            place.open = old.union(view)
+        place.open = view = Interval.of(ref, detection)
+        if old is None:
             return
         if old.follows_on(view, self._parameters):  # it got too long, and readers join it again
             place.open = replace(view, start_ms=min(old.end_ms + 1, view.end_ms))
         self._ledger.put_sighting(old.sighting(key))
 
-    def _goes_on(self, place: Place, old: Interval, view: Interval) -> bool:
-        """Say whether a thing stayed between two views: a short pause, or none saw it gone."""
-        if old.follows_on(view, self._parameters):
-            return True
-        pause_s = (view.start_ms - old.end_ms) / 1000
-        return place.last_absent_ms is None and pause_s <= self._parameters.unbroken_gap_s
+    def _goes_on(self, place: Place, old: Interval, now_ms: int) -> bool:
+        """Say whether an interval goes on to a view: short enough, and after a short pause only.
+
+        Or after a longer one in which no look saw the thing gone.
+        """
+        parameters = self._parameters
+        pause_s = parameters.interval_gap_s
+        if place.last_absent_ms is None:
+            pause_s = max(pause_s, parameters.unbroken_gap_s)
+        is_short = now_ms - old.start_ms <= parameters.max_interval_s * 1000
+        return is_short and (now_ms - old.end_ms) / 1000 <= pause_s
 
     def _meet(self, ref: FrameRef, seen: list[tuple[Known, Place]], found: list[Thing]) -> None:
         shown = [
@@ -183,16 +194,7 @@ class TrackerPipeline:
 
     def _merge(self, missed: list[Known], found: list[Known]) -> list[Known]:
         """Make one of what a look missed and what it found there; return what is still missed."""
-        matcher = self._matcher
-        evidence = Evidence(
-            self._memory,
-            matcher.space,
-            matcher.looks,
-            self._categories,
-            matcher.neighbours,
-            self._parameters,
-        )
-        for thing, each in evidence.likely(missed, found):
+        for thing, each in self._evidence.likely(missed, found):
             likely = [other for other in each if other.row >= 0]
             if thing.row < 0 or not likely:  # one of the found ones was it
                 continue

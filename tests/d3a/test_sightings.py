@@ -2,6 +2,8 @@
 
 from dataclasses import replace
 
+import pytest
+
 from d3a.model import Detection
 from d3a.parameters import DEFAULT
 from d3a.sightings import FrameRef, Interval, joined
@@ -39,3 +41,12 @@ def test_what_gets_too_long_over_a_bridged_pause_begins_at_its_own_first_view() 
         (0, 50, 3),
         (75, 125, 3),
     ]
+
+
+@pytest.mark.parametrize("probability", [0.1, 0.5, 0.9])
+def test_an_interval_grows_by_a_view_as_by_the_view_s_own_interval(probability: float) -> None:
+    box, other = (1.0, 2.0, 3.0, 4.0), (5.0, 6.0, 7.0, 8.0)
+    first, second = FrameRef("f1", 1000, "p1"), FrameRef("f2", 2000, "p2", (0.0,) * 7, "r")
+    old = Interval.of(first, Detection("cup", 0.5, box))
+    view = Detection("mug", probability, other)
+    assert old.grown(second, view) == old.union(Interval.of(second, view))
