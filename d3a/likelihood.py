@@ -75,6 +75,11 @@ _LOOK_BINS = np.array(LOOK_BINS)
 SAME, OTHER, BESIDE = 0, 1, 2
 """Kinds of pairs: views of one thing; of two of one category; of two that stand side by side and
 have different categories, which share their background more than two of a kind across the room."""
+LOOK_COMMON = 100.0
+"""Pairs for which the spread of both kinds together counts in that of each: few tell little of it,
+and least of what is rare, how unlike two views of one thing may be."""
+LOOK_VARIANCE_LEAST = 1e-3
+"""Variance of likeness that each kind has at least."""
 
 
 class LookModel:
@@ -82,8 +87,9 @@ class LookModel:
 
     Light, lens and embedding decide that, so no fixed threshold serves two recordings. Other
     things: those of the same frame, which are never one. The same thing: what place and category
-    alone have recognised. All are normal with one variance, so the evidence is a straight line;
-    assumed values count as much as `look_prior` views.
+    alone have recognised. Each kind is normal with a variance of its own up to its mean on the
+    side of the other, and level beyond: no view is too like a thing to be of it, and none too
+    unlike it to be of another. Assumed values count as much as `look_prior` views.
     """
 
     def __init__(self, parameters: Parameters) -> None:
@@ -120,26 +126,37 @@ class LookModel:
         likeness: cosines (n, m) with looks of so many views (m,).
         """
         bins = _LOOK_BINS.searchsorted(views, side="right")
-        slope, even = np.array(self._lines(kinds)).take(bins, axis=2)[:, :, None]
-        raw = slope * (likeness - even)
+        bells = np.array(self._bells(kinds)).take(bins, axis=1).transpose(2, 0, 1)
+        same, sharp, other, blunt, even = bells[:, :, None]
+        short = np.minimum(likeness - same, 0.0)
+        short *= short
+        short *= sharp
+        raw = np.maximum(likeness - other, 0.0)
+        raw *= raw
+        raw *= blunt
+        raw -= short
+        raw += even
         np.maximum(raw, self._parameters.look_least, out=raw)
         return np.asarray(np.minimum(raw, self._parameters.look_most, out=raw))
 
-    def _lines(self, kinds: Sequence[int]) -> tuple[list[list[float]], list[list[float]]]:
-        """Return the slope of the evidence in each bin, and the likeness that says nothing.
+    def _bells(self, kinds: Sequence[int]) -> list[list[Bell]]:
+        """Return what both kinds are made of in each bin, (kinds, bins)."""
+        return [[_bell(*rows[SAME], *rows[kind]) for rows in self._sums] for kind in kinds]
 
-        Both by kind.
-        """
-        slopes: list[list[float]] = [[] for _ in kinds]
-        evens: list[list[float]] = [[] for _ in kinds]
-        for rows in self._sums:  # so few numbers go quicker one by one
-            n, same, squares = rows[SAME]
-            for kind, slope, even in zip(kinds, slopes, evens, strict=True):
-                m, other, more = rows[kind]
-                variance = max((squares + more) / (n + m), 1e-4)
-                slope.append(max(same - other, 0.0) / variance)
-                even.append((same + other) / 2)
-        return slopes, evens
+
+Bell = tuple[float, float, float, float, float]
+"""The mean of the same and half its precision, the mean of the others and half theirs, and the
+logarithm of how much denser the same is at its mean than the others at theirs."""
+
+
+def _bell(n: float, same: float, squares: float, m: float, other: float, more: float) -> Bell:
+    """Return what two kinds are made of, from the count, mean and squared deviations of each."""
+    if same <= other:  # likeness does not tell them apart
+        return (0.0, 0.0, 0.0, 0.0, 0.0)
+    common = LOOK_COMMON * (squares + more) / (n + m)  # so few numbers go quicker one by one
+    own = max((squares + common) / (n + LOOK_COMMON), LOOK_VARIANCE_LEAST)
+    theirs = max((more + common) / (m + LOOK_COMMON), LOOK_VARIANCE_LEAST)
+    return same, 0.5 / own, other, 0.5 / theirs, 0.5 * math.log(theirs / own)
 
 
 DOUBT_LEAST = 0.02

@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -70,6 +72,45 @@ def test_a_look_shared_by_what_stands_beside_says_little_for_a_wrong_name() -> N
     alike, views = np.array([[0.9]]), np.array([20.0])
     beside, other = model.against(alike, views, (BESIDE, OTHER))[:, 0, 0]
     assert beside < other
+
+
+def taught(same: tuple[float, float], other: tuple[float, float], pairs: int) -> LookModel:
+    """Return a model that has seen so many pairs of each kind, by mean and deviation."""
+    model, rng = LookModel(DEFAULT), np.random.default_rng(4)
+    for _ in range(pairs):
+        model.add(SAME, float(rng.normal(*same)), 20.0)
+        model.add(OTHER, float(rng.normal(*other)), 20.0)
+    return model
+
+
+def told(model: LookModel, *likeness: float) -> list[float]:
+    alike = np.array([likeness])
+    return [float(v) for v in model.against(alike, np.full(len(likeness), 20.0), (OTHER,))[0, 0]]
+
+
+@given(
+    st.tuples(st.floats(0.3, 0.95), st.floats(0.01, 0.3)),
+    st.tuples(st.floats(-0.3, 0.9), st.floats(0.01, 0.4)),
+    st.lists(st.floats(-1, 1), min_size=2, max_size=8),
+)
+def test_more_alike_never_counts_less(
+    same: tuple[float, float], other: tuple[float, float], likeness: list[float]
+) -> None:
+    found = told(taught(same, other, 60), *sorted(likeness))
+    assert all(a <= b + 1e-9 for a, b in pairwise(found))
+    assert DEFAULT.look_least <= found[0] <= found[-1] <= DEFAULT.look_most
+
+
+def test_what_looks_alike_every_time_is_another_thing_where_it_does_not() -> None:
+    """Though others are spread as wide as can be: each kind has a spread of its own."""
+    steady = taught((0.9, 0.03), (0.5, 0.3), 400)
+    varied = taught((0.9, 0.2), (0.5, 0.3), 400)
+    assert told(steady, 0.5)[0] < 2 * told(varied, 0.5)[0] < 0
+
+
+def test_few_pairs_do_not_tell_how_unlike_views_of_one_thing_may_be() -> None:
+    few, many = (taught((0.8, 0.05), (0.3, 0.25), pairs) for pairs in (8, 400))
+    assert told(few, 0.4)[0] > told(many, 0.4)[0] + 1
 
 
 def test_looks_that_tell_nothing_apart_weigh_nothing() -> None:
