@@ -31,6 +31,7 @@ from d3a.parameters import Parameters
 from d3a.recall import FIRST_NUMBER, Recall, is_histogram
 from d3a.reconcile import Corrected
 from d3a.sightings import Became, Event, FrameRef, Interval, Scene, Seen, entry_name
+from d3a.singles import Singles
 from d3a.store.base import StayKey, TaughtName
 from d3a.tier1 import Thing, things
 from d3a.tier3 import Stored
@@ -60,6 +61,7 @@ class TrackerPipeline:
         self._recall = Recall(self._memory, ledger, stored, parameters, outside)
         self._doubts = Doubts(parameters)
         self._encounters = Encounters(parameters)
+        self._singles = Singles()
         self._next_number = FIRST_NUMBER
         self._fixed: frozenset[str] = frozenset()
         self._doubtful: set[int] = set()
@@ -109,6 +111,7 @@ class TrackerPipeline:
     def _born(self, ref: FrameRef) -> tuple[Known, Place]:
         thing = Known(self._next_number, {}, ref.time_ms, ref.time_ms)
         self._next_number += 1
+        self._singles.born()
         place = Place(0, ref.time_ms, ref.time_ms)
         thing.places.append(place)
         self._memory.things[thing.number] = thing
@@ -141,6 +144,8 @@ class TrackerPipeline:
             n = thing.extents
             thing.extent_m = (width * n + wide) / (n + 1), (height * n + high) / (n + 1)
             thing.extents = n + 1
+        if thing.seen + 1 == self._parameters.confirm_sightings:
+            self._singles.seen_again(ref.time_ms - thing.last_ms)
         for each in (thing, place):
             each.weight += detection.probability
             each.seen += 1
@@ -247,7 +252,8 @@ class TrackerPipeline:
         closed_ms = self._now_ms - parameters.interval_gap_s * 1000
         if place.doubt >= parameters.doubt_odds and place.last_ms < closed_ms:
             return True
-        return all(p.evidence + p.doubt >= parameters.expire_odds for p in thing.places)
+        least = parameters.expire_odds - self._singles.odds(self._now_ms - thing.last_ms)
+        return all(p.evidence + p.doubt >= least for p in thing.places)
 
     def _link(self, changed: set[int]) -> None:
         for link in self._moves.find(changed):
@@ -331,6 +337,7 @@ class TrackerPipeline:
         record |= {
             "next": self._next_number,
             "now_ms": self._now_ms,
+            "singles": [self._singles.once, self._singles.again],
             "scaled_at": self._matcher.space.scaled_at,
             "categories": dict(self._categories.counts),
             "compared": sorted(self._moves.compared),
@@ -354,6 +361,7 @@ class TrackerPipeline:
         self._matcher.space.scaled_at = record["scaled_at"]
         self._doubts.counts = np.array(arrays["doubts"])
         self._now_ms = record["now_ms"]
+        self._singles.once, self._singles.again = record.get("singles", (0.0, 0.0))
         self._moves.others = {
             kind: list(counts) for kind, counts in record.get("others", {}).items()
         }
