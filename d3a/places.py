@@ -224,7 +224,7 @@ def _room(
         if x_min <= x <= x_max
         and y_min <= y <= y_max
         and is_of(region, site)
-        and _depth_inside(region.polygon, x, y) >= 0
+        and _holds(region.polygon, x, y)
     ]
     if len(holding) < 2:
         return holding[0].name if holding else None
@@ -251,17 +251,28 @@ def _looks_into(view: View, region: Region, middle: tuple[float, float]) -> bool
     return math.hypot(dx, dy) <= view.range_m and abs(turn) <= view.half_angle
 
 
-def _depth_inside(polygon: Sequence[tuple[float, float]], x: float, y: float) -> float:
-    """Return the distance to the nearest wall, negative outside."""
-    inside, nearest = False, math.inf
+def _holds(polygon: Sequence[tuple[float, float]], x: float, y: float) -> bool:
+    """Return whether a place is inside or on a wall; how far the walls are is seldom needed."""
+    return _is_inside(polygon, x, y) or _depth_inside(polygon, x, y) >= 0
+
+
+def _is_inside(polygon: Sequence[tuple[float, float]], x: float, y: float) -> bool:
+    inside = False
     for (x1, y1), (x2, y2) in zip(polygon, (*polygon[1:], polygon[0]), strict=True):
         if (y1 > y) != (y2 > y) and x < (x2 - x1) * (y - y1) / (y2 - y1) + x1:
             inside = not inside
+    return inside
+
+
+def _depth_inside(polygon: Sequence[tuple[float, float]], x: float, y: float) -> float:
+    """Return the distance to the nearest wall, negative outside."""
+    nearest = math.inf
+    for (x1, y1), (x2, y2) in zip(polygon, (*polygon[1:], polygon[0]), strict=True):
         length2 = (x2 - x1) ** 2 + (y2 - y1) ** 2
         along = 0.0 if length2 == 0 else ((x - x1) * (x2 - x1) + (y - y1) * (y2 - y1)) / length2
         along = min(1.0, max(0.0, along))
         nearest = min(nearest, math.hypot(x - x1 - along * (x2 - x1), y - y1 - along * (y2 - y1)))
-    return nearest if inside else -nearest
+    return nearest if _is_inside(polygon, x, y) else -nearest
 
 
 def _bounds(polygon: Sequence[tuple[float, float]]) -> _Bounds:
