@@ -126,8 +126,8 @@ def pairs_of(
             dtype=np.bool_,
         ),
     )
-    figures, grounds = numbered(k.figure for k in found), numbered(k.ground for k in found)
-    return with_middles(placed_together(pairs, _apart(found)), figures, grounds)
+    things = numbered([link.figure for link in found] + [link.ground for link in found])
+    return with_middles(placed_together(pairs, _apart(found)), things)
 
 
 def _apart(found: Sequence[Link]) -> Floats:
@@ -137,6 +137,8 @@ def _apart(found: Sequence[Link]) -> Floats:
     """
     told = _array([link.apart() for link in found], 4)
     known = ~np.isnan(told[:, 3])
+    if not known.any():
+        return told
     group = numbered((link.figure, link.ground) for link in found)
     weight = np.where(known, 1.0 / np.maximum(np.nan_to_num(told[:, 3]), LEAST_SIGMA_M) ** 2, 0.0)
     total = np.bincount(group, weight)

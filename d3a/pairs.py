@@ -87,33 +87,33 @@ def placed_together(pairs: Pairs, apart: Floats) -> Pairs:
     return replace(pairs, position_a=pairs.position_a - moved, position_b=pairs.position_b + moved)
 
 
-def with_middles(pairs: Pairs, figures: Rows, grounds: Rows) -> Pairs:
+def with_middles(pairs: Pairs, things: Rows) -> Pairs:
     """Return the pairs with the things' middles: what is measured of a thing is before it.
 
-    figures, grounds (n,): which rows are of one thing at one place. It is looked at from where the
-    viewers stand on average: what is seen from all around was measured around its middle.
+    things (2 n,): a number for each thing at one place, those of the figures and then those of the
+    grounds. It is looked at from where the viewers stand on average: what is seen from all around
+    was measured around its middle.
     """
-    told = ~np.isnan(distance_of(pairs))[:, None]
-    back_a = _backwards(pairs.position_a, pairs.extent_a, pairs.viewer, figures)
-    back_b = _backwards(pairs.position_b, pairs.extent_b, pairs.viewer, grounds)
+    n = len(pairs)
+    if n == 0:
+        return pairs
+    eye, axis = pairs.viewer[:, :3], up_axis(pairs.viewer)[0]
+    away = np.concatenate([pairs.position_a - eye, pairs.position_b - eye])
+    away[:, axis] = 0.0
+    far = np.sqrt(np.einsum("ik,ik->i", away, away))
+    seen = far > SAME_SPOT_M  # False for NaN
+    away = np.where(seen[:, None], away, 0.0) / np.where(seen, far, 1.0)[:, None]
+    looks = np.maximum(np.bincount(things, seen), 1.0)
+    sides = np.stack([np.bincount(things, away[:, k]) / looks for k in range(3)], axis=1)
+    width = np.concatenate([pairs.extent_a[:, 0], pairs.extent_b[:, 0]])
+    back = sides[things] * (SURFACE_SHARE * np.nan_to_num(np.minimum(width, THIN_M)))[:, None]
+    line = pairs.position_a - pairs.position_b
+    told = (np.einsum("ik,ik->i", line, line) >= SAME_SPOT_M**2)[:, None]
     return replace(
         pairs,
-        position_a=pairs.position_a + np.where(told, back_a, 0.0),
-        position_b=pairs.position_b + np.where(told, back_b, 0.0),
+        position_a=pairs.position_a + np.where(told, back[:n], 0.0),
+        position_b=pairs.position_b + np.where(told, back[n:], 0.0),
     )
-
-
-def _backwards(position: Floats, extent: Floats, viewer: Floats, things: Rows) -> Floats:
-    """Return the way in the plane from where things were measured to their middles (n, 3)."""
-    away = position - viewer[:, :3]
-    away[:, up_axis(viewer)[0]] = 0.0
-    with np.errstate(invalid="ignore", divide="ignore"):
-        away /= np.linalg.norm(away, axis=1, keepdims=True)
-    seen = ~np.isnan(away[:, 0])
-    looks = np.maximum(np.bincount(things, seen), 1.0)
-    sides = [np.bincount(things, np.where(seen, away[:, k], 0.0)) / looks for k in range(3)]
-    deep = SURFACE_SHARE * np.nan_to_num(np.minimum(extent[:, 0], THIN_M))
-    return np.asarray(np.stack(sides, axis=1)[things] * deep[:, None])
 
 
 def normal_cdf(z: Floats) -> Floats:
