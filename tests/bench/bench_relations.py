@@ -10,7 +10,8 @@ near, on and under are true as truth.jsonl has them; above, in, together, same p
 the sides follow from the solids and the robot's true poses, which are those of the noiseless
 recording of the same seed.
 All that a question tells is judged: things that were seen once, which are told last, and mistakes
-of the detector are among them. "of known" leaves out what the store has not both confirmed.
+of the detector are among them. "of known" leaves out what the store has not both confirmed, and
+`--confirmed` relates nothing else.
 What is judged is a pair of stays that were both detected in one frame (for sides and between, what
 one keyframe shows), so that what nobody could see is no miss. What is within `EVEN` of the border
 (of one side and the other, of the limit of same place, of the ends of between) is left out: nobody
@@ -254,10 +255,10 @@ def stays_of(world: World, link: Link) -> tuple[Stay | None, Stay | None, str]:
     return world.stay_of(one.frame, one.box), world.stay_of(other.frame, other.box), one.frame
 
 
-def everything(store: Store) -> Found:
+def everything(store: Store, *, confirmed: bool) -> Found:
     """Return all objects with all of their sightings, as a question for anything finds them."""
     facts = Facts(store)
-    records = store.objects(embeddings=False)
+    records = [r for r in store.objects(embeddings=False) if not (confirmed and r.tentative)]
     found = Found({record.object_id: Candidate(record, 1.0) for record in records})
     found.sightings = facts.sightings(found.ids, None, None)
     found.stays = facts.stays(found.ids)
@@ -265,13 +266,13 @@ def everything(store: Store) -> Found:
 
 
 def judged(
-    world: World, store: Store, parameters: Parameters
+    world: World, store: Store, parameters: Parameters, *, confirmed: bool
 ) -> Iterator[tuple[RelationKind, Tally]]:
     """Yield each relation with its tally."""
-    found = everything(store)
+    found = everything(store, confirmed=confirmed)
     encounters = store.encounters()
     known = {name for name, one in found.candidates.items() if not one.record.tentative}
-    confirmed = {
+    sure = {
         world.stay_of(seen.frame, seen.box) for seen in found.sightings if seen.object_id in known
     }
     for kind in (*GIVEN, *DERIVED, *SIDES):
@@ -285,7 +286,7 @@ def judged(
         if kind in SIDES:
             yield kind, _sides(world, kind, pairs)
         else:
-            yield kind, _stays(world, kind, pairs, confirmed)
+            yield kind, _stays(world, kind, pairs, sure)
     yield "between", _between(world, found, encounters, parameters)
 
 
@@ -369,12 +370,13 @@ def main() -> None:
     options.add_argument("--seeds", type=int, nargs="+", default=list(range(10)))
     options.add_argument("--conditions", nargs="+", default=list(GOALS))
     options.add_argument("--plain", action="store_true", help="the seeds' worlds as they are")
+    options.add_argument("--confirmed", action="store_true", help="without what was seen once")
     given = options.parse_args()
     total: dict[tuple[str, RelationKind], Tally] = defaultdict(Tally)
     for seed in given.seeds:
         with tempfile.TemporaryDirectory() as folder:
             for condition, kind, tally in measured(
-                Path(folder), given.hours, seed, given.conditions, plain=given.plain
+                Path(folder), given.hours, seed, given.conditions, given.plain, given.confirmed
             ):
                 total[condition, kind].add(tally)
     for condition in given.conditions:
@@ -389,7 +391,7 @@ def main() -> None:
 
 
 def measured(
-    folder: Path, hours: float, seed: int, conditions: list[str], *, plain: bool = False
+    folder: Path, hours: float, seed: int, conditions: list[str], plain: bool, confirmed: bool
 ) -> Iterator[tuple[str, RelationKind, Tally]]:
     """Yield the tallies of a seed's world under each condition."""
     still = folder / "true"
@@ -403,7 +405,7 @@ def measured(
         with closing(open_store(str(folder / f"{condition}.db"))) as store:
             ingest(open_source(recording), store, DEFAULT)
             world = World(recording, poses)
-            for kind, tally in judged(world, store, DEFAULT):
+            for kind, tally in judged(world, store, DEFAULT, confirmed=confirmed):
                 yield condition, kind, tally
 
 
