@@ -15,6 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from d3a.arrivals import Looked
 from d3a.depths import NEAREST_SHARE, nearer, samples
 from d3a.frame_offset import FrameOffset
 from d3a.geometry import in_view, project
@@ -22,6 +23,7 @@ from d3a.known import Known, Place
 from d3a.memory import Memory
 from d3a.model import Json, Position
 from d3a.parameters import Parameters
+from d3a.sides import chance, is_familiar, remember_side, share_of_look
 from d3a.sightings import Scene
 
 Floats = NDArray[np.float64]
@@ -29,22 +31,15 @@ PATCH, PATCH_MOST = 3, 40
 """Half the side, in pixels, of the patch of depth that is looked at, at least and at most."""
 SURE_M = 1.0
 """A place whose position may err by more than this (one sigma) cannot be looked at."""
+SURE_SEEN = 4
+"""Views from which a thing counts as one of its own. Fewer may be strays of a neighbour, off by one
+bad localisation: that they are not seen again says nothing of where a thing went."""
 THROUGH_PRIOR = 6.0
 THROUGH_PRESENT, THROUGH_GONE = 0.08, 0.5
 """How often a place is seen through while its thing is there (poses and shapes err), and when it
 is not (clutter, a patch as wide as the error), before any was looked at; worth so many looks."""
 THROUGH_LEAST, THROUGH_MOST = 0.3, 2.5
 """Bounds of the log-odds of one look that saw through a place."""
-AGAIN_M, AGAIN_MS, AGAIN_SHARE = 0.8, 300_000, 0.3
-"""A look in vain from within so much of another, and so soon after it, is mostly the same look:
-what hid the thing from the detector does so still. Its share of a look of its own."""
-FAMILIAR_SHARE, FAMILIAR_M = 0.25, 0.5
-"""A viewpoint is one known to show a thing if it is this near to one that did: a share of the
-distance to the thing, or metres if that is more."""
-CHANCE_PRIOR = 2.0
-"""Looks that the usual chance of finding a thing again is worth against the thing's own."""
-SIDES_KEPT = 12
-"""Viewpoints remembered for a place, the latest."""
 
 
 @dataclass(slots=True)
@@ -86,6 +81,7 @@ class Absence:
         self._end_ms = 0
         self._refound, self._relooked = 0, 0.0
         self._through = np.array([[THROUGH_PRESENT, 1.0], [THROUGH_GONE, 1.0]]) * THROUGH_PRIOR
+        self.looked = Looked(parameters)
 
     def watch(self, scene: Scene, found: list[tuple[Known, Place]], offset: FrameOffset) -> None:
         """Take in a frame: which places it should have shown, and which it did.
@@ -96,12 +92,14 @@ class Absence:
         for thing, place in found:
             self._glance(thing, place).found = True
         positions = self._memory.positions
-        if scene.pose is None or scene.camera is None or not positions.owners:
+        if scene.pose is None or scene.camera is None:
             return
-        eye = np.array(scene.pose.position) - offset.mean
-        x, y, z = eye.tolist()
+        x, y, z = (np.array(scene.pose.position) - offset.mean).tolist()
+        self.looked.watch(scene, (x, y, z))
+        if not positions.owners:
+            return
         for _, place in found:
-            _remember_side(place, (x, y, z))
+            remember_side(place, (x, y, z))
         seen = project(positions.mean + offset.mean, scene.pose, scene.camera)
         parameters = self._parameters
         visible = in_view(seen, scene.camera, parameters.view_range_m, parameters.view_margin)
@@ -118,7 +116,7 @@ class Absence:
             thing, place = positions.owners[row]
             glance = self._glance(thing, place)
             if not glance.familiar and not hidden[k]:
-                glance.familiar = _is_familiar(place, (x, y, z), away_m[k])
+                glance.familiar = is_familiar(place, (x, y, z), away_m[k])
             glance.add(hidden[k], through[k])
             glance.eye = (x, y, z)
 
@@ -169,31 +167,32 @@ class Absence:
             if glance.is_through:
                 odds = self._through_odds()
             elif glance.familiar:
-                odds = -math.log(1 - self._chance(place))
+                odds = -math.log(1 - chance(place, self._usual()))
             else:
                 continue
             missed.append(thing)
             self._missed(glance, odds, self._share_of_look(glance))
         self._glances.clear()
+        self.looked.end_look()
         return missed
 
-    def _chance(self, place: Place) -> float:
-        """Return how likely the thing would have been found, were it there."""
-        usual = (self._refound + 2 * self._parameters.detect_chance) / (self._relooked + 2)
-        # Without the look that made it known: had that missed too, nobody would ask.
-        hits, chances = max(0.0, place.hits - 1.0), max(0.0, place.chances - 1.0)
-        own = (hits + CHANCE_PRIOR * usual) / (chances + CHANCE_PRIOR)
-        return min(own, 0.95)
+    def _usual(self) -> float:
+        """Return how likely a look finds a thing that is there, by all things."""
+        return (self._refound + 2 * self._parameters.detect_chance) / (self._relooked + 2)
+
+    def came(self, place: Place) -> float:
+        """Return the log-odds that what is at a place was brought while the robot was about."""
+        if place.row < 0:
+            return 0.0
+        return self.looked.came(place, self._memory.positions.mean[place.row], self._usual())
 
     def _share_of_look(self, glance: Glance) -> float:
         """Return how much a look in vain tells that others from there have not told already."""
         place, eye = glance.place, glance.eye
         if eye is None:
             return 1.0
-        recent = [each for each in place.missed_from if self._end_ms - each[1] < AGAIN_MS]
-        again = any(math.dist(eye, side) < AGAIN_M for side, _ in recent)
-        place.missed_from = recent if again else [*recent, (eye, self._end_ms)]
-        return AGAIN_SHARE if again else 1.0
+        share, place.missed_from = share_of_look(place.missed_from, eye, self._end_ms)
+        return share
 
     def _through_odds(self) -> float:
         """Return how much likelier a place is seen through when its thing has left."""
@@ -232,7 +231,8 @@ class Absence:
         place.misses += 1
         place.throughs += glance.is_through
         was_empty = place.last_absent_ms is not None
-        if was_empty or place.evidence >= self._parameters.absent_odds:
+        is_gone = place.evidence >= self._parameters.absent_odds and thing.seen >= SURE_SEEN
+        if was_empty or is_gone:
             place.last_absent_ms = self._end_ms
             thing.dirty = True
 
@@ -249,10 +249,17 @@ class Absence:
         ]
         counts = [self._refound, self._relooked]
         through = self._through.tolist()
-        return {"end_ms": self._end_ms, "glances": glances, "again": counts, "through": through}
+        return {
+            "end_ms": self._end_ms,
+            "glances": glances,
+            "again": counts,
+            "through": through,
+            "looking": self.looked.is_open,
+        }
 
-    def restore(self, record: Json) -> None:
-        """Go on where `to_state` was called; the memory is restored already."""
+    def restore(self, record: Json, looked: Floats) -> None:
+        """Go on where `to_state` was called, with `looked.rows`; the memory is restored already."""
+        self.looked.restore(looked, record["looking"])
         self._end_ms = record["end_ms"]
         self._refound, self._relooked = record["again"]
         self._through = np.array(record["through"])
@@ -261,14 +268,3 @@ class Absence:
             glance = Glance(thing, thing.place(place_number), *counted)
             glance.eye = None if eye is None else (eye[0], eye[1], eye[2])
             self._glances[number, place_number] = glance
-
-
-def _remember_side(place: Place, eye: Position) -> None:
-    """Keep the viewpoint, if it is another than those known; the oldest goes."""
-    if not any(math.dist(eye, side) < FAMILIAR_M for side in place.seen_from):
-        place.seen_from = [*place.seen_from[1 - SIDES_KEPT :], eye]
-
-
-def _is_familiar(place: Place, eye: Position, away_m: float) -> bool:
-    near_m = max(FAMILIAR_M, FAMILIAR_SHARE * away_m)
-    return any(math.dist(eye, side) <= near_m for side in place.seen_from)

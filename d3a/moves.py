@@ -1,19 +1,22 @@
 """Default profile: the identity of things that were moved.
 
-A thing that turns up at a new place is an old one, or none that is known. How alike the looks of
-two things must be for that is learned from things that cannot be one, as both were seen since; and
-a place that was looked at in vain since says that its thing has left. To inherit an id from
-whatever is most alike, as the paper does, is right once in ten times.
+A thing that turns up at a new place is an old one, or none that is known. Three things speak for
+one that is known: the place that it left was looked at in vain since; the new place was looked at
+in vain before; and they look alike. How alike different things look is learned from things that
+cannot be one, as both were seen since. To inherit an id from whatever is most alike, as the paper
+does, is right once in ten times.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from d3a.absence import SURE_SEEN, Absence
+from d3a.arrivals import CAME_MOST
 from d3a.known import Known, Place
 from d3a.ledger import Ledger
 from d3a.likelihood import SAME, LookModel
@@ -29,10 +32,18 @@ BINS = 40
 OTHER_PRIOR, OTHER_MEAN, OTHER_SIGMA = 10.0, 0.3, 0.3
 """Pairs of different things that are assumed before any was seen, and how alike they are."""
 SAME_SIGMA, SAME_OUTLIERS = 0.12, 0.05
-"""How the likeness of two means of one thing varies between places, and the share that does not
-follow it: another side, another light."""
+"""How the likeness of two means of one thing varies in one light, and the share that follows
+nothing: another side."""
+LIGHT_SHARE, LIGHT_LESS, LIGHT_SIGMA = 0.5, 0.15, 0.17
+"""The share of moves into another light, before another background; by how much less alike that
+makes the looks, and how much that varies."""
 GONE_MOST = 5.0
 """Log-odds that looks in vain count for at most."""
+LOOK_LEAST = -1.0
+"""Log-odds of looks that speak against a move: below, places alone do not say what came."""
+PLAIN_LOOK, LEFT_LEAST = 3.0, 3.0
+"""A look whose log-odds tell a thing from all others of its category; and log-odds of its absence
+from which a thing may be elsewhere, whatever it looks like. A link needs one of them."""
 Pair = tuple[Known, Known, Place]
 """What may be a move: what turned up, what left, and the place that it left."""
 
@@ -47,24 +58,40 @@ class Link:
 
 
 @dataclass(frozen=True, slots=True)
-class Alike:
-    """What a likeness of two things of a category tells.
+class Kind:
+    """A category while its moves are looked for.
 
-    density: of different things at likenesses (BINS,). least: log-odds of the likeness alone from
-    which it tells one thing from the others of the category.
+    things: its confirmed ones; fresh: those of them that turned up. density: how dense different
+    ones lie at likenesses (BINS,). came: what is known of arrivals, by number, as it is asked for.
     """
 
+    things: list[Known]
+    fresh: list[Known]
     density: list[float]
-    least: float
+    came: dict[int, float] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class Told:
+    """What is known of a pair. look: log-odds of the looks alone; odds: of all that is known."""
+
+    look: float
+    odds: float
 
 
 class Moves:
     """Finds the moves that are plain, and learns how alike different things look."""
 
     def __init__(
-        self, memory: Memory, space: LookSpace, looks: LookModel, parameters: Parameters
+        self,
+        memory: Memory,
+        space: LookSpace,
+        looks: LookModel,
+        absence: Absence,
+        parameters: Parameters,
     ) -> None:
         self._memory = memory
+        self._absence = absence
         self._space = space
         self._looks = looks
         self._parameters = parameters
@@ -87,17 +114,17 @@ class Moves:
             self._compare([new for new in news if new.number not in self.compared], of_kind[kind])
         links: list[Link] = []
         for kind, each in of_kind.items():
-            left = [(old, place) for old in each if (place := old.latest).misses > 0]
             pairs = [
                 (new, old, place)
-                for old, place in left
+                for old in each
+                if (place := old.latest).misses > 0
                 for new in fresh[kind]
                 if place.last_ms < new.first_ms
                 and new is not old
                 and (new.number in changed or old.number in changed)
             ]
             if pairs:
-                links += self._links(pairs, fresh[kind], left, self._told(kind, len(each)))
+                links += self._links(pairs, Kind(each, fresh[kind], self._densities(kind)))
         return sorted(links, key=lambda link: (link.new.number, link.old.number))
 
     def _alike(self, changed: set[int]) -> dict[str, list[Known]]:
@@ -111,34 +138,58 @@ class Moves:
                     each.append(thing)
         return of_kind
 
-    def _links(
-        self,
-        pairs: list[Pair],
-        fresh: list[Known],
-        left: list[tuple[Known, Place]],
-        told: Alike,
-    ) -> list[Link]:
-        """Return the plain ones of the pairs, against all that either end may be instead.
-
-        fresh, left: all things of the category that turned up, and that were missed.
-        """
+    def _links(self, pairs: list[Pair], kind: Kind) -> list[Link]:
+        """Return the plain ones of the pairs, against all that either end may be instead."""
         least = self._parameters.move_probability
         links = []
-        for (new, old, place), weight in zip(pairs, self._weights(pairs, told), strict=True):
-            if weight * (1.0 - least) < least:
+        for (new, old, place), told in zip(pairs, self._told(pairs, kind), strict=True):
+            if told.odds * (1.0 - least) < least:
                 continue  # whatever the rivals are, it is not plain: nearly all pairs end here
-            rivals = [(new, o, p) for o, p in left if p.last_ms < new.first_ms and o is not new]
+            left = place.evidence >= LEFT_LEAST and old.seen >= SURE_SEEN
+            if not left and told.look < PLAIN_LOOK:
+                continue
+            # what nobody looked for may have left too
+            lasts = [(o, o.latest) for o in kind.things if o is not new]
+            rivals = [(new, o, p) for o, p in lasts if p.last_ms < new.first_ms]
             rivals += [
-                (n, old, place) for n in fresh if place.last_ms < n.first_ms and n is not old
+                (n, old, place) for n in kind.fresh if place.last_ms < n.first_ms and n is not old
             ]
-            others = sum(self._weights(rivals, told))
-            chance = weight / (1.0 + others - weight)  # it is in both lists
+            others = sum(rival.odds for rival in self._told(rivals, kind))
+            chance = told.odds / (1.0 + others - told.odds)  # it is in both lists
             if chance >= least:
                 links.append(Link(old, new, chance))
         return links
 
-    def _weights(self, pairs: list[Pair], told: Alike) -> list[float]:
-        return [math.exp(min(odds, 50.0)) for odds in self._odds(pairs, told)]
+    def _told(self, pairs: list[Pair], kind: Kind) -> list[Told]:
+        """Return what is known of pairs (n,), one by one: there are three or four of them."""
+        parameters = self._parameters
+        # Any other of the category may have come, or one that is not known.
+        brought = parameters.move_odds - math.log(len(kind.things) - 1)
+        found = []
+        for new, old, place in pairs:
+            look = self._look(new, old, kind.density)
+            if look < LOOK_LEAST:
+                found.append(Told(look, 0.0))
+                continue
+            odds, prior = look + min(place.evidence, GONE_MOST), brought
+            if odds + prior > -CAME_MOST:  # else it is neither a link, nor much of a rival to one
+                if new.number not in kind.came:
+                    kind.came[new.number] = self._absence.came(new.places[0])
+                prior += kind.came[new.number]
+            if look >= PLAIN_LOOK:
+                prior = max(prior, parameters.alike_odds)
+            found.append(Told(look, math.exp(min(odds + prior, 50.0))))
+        return found
+
+    def _look(self, new: Known, old: Known, density: list[float]) -> float:
+        """Return the log-odds of the looks of two things, minus infinity where one is unknown."""
+        if new.look_weight == 0 or old.look_weight == 0:
+            return -math.inf
+        looks = self._memory.looks
+        # Means vary less than the views that are compared with them.
+        usual = math.sqrt(max(float(self._looks.sums[-1, SAME, 1]), 0.0))
+        likeness = float(looks.unit(new, self._space) @ looks.unit(old, self._space))
+        return math.log(_same(likeness - usual) / density[_bin(likeness)])
 
     def _likeness(self, one: Known, others: list[Known]) -> list[float]:
         """Return the cosines of a thing with those of some others whose looks are known."""
@@ -166,37 +217,6 @@ class Moves:
                 for likeness in self._likeness(new, others):
                     counts[_bin(likeness)] += 1.0
 
-    def _odds(self, pairs: list[Pair], told: Alike) -> list[float]:
-        """Return the log-odds (n,) that `new` is `old`, which was last seen at `place`.
-
-        One by one: there are three or four of them.
-        """
-        parameters, looks = self._parameters, self._memory.looks
-        # Means vary less than the views that are compared with them.
-        usual = math.sqrt(max(float(self._looks.sums[-1, SAME, 1]), 0.0))
-        odds = []
-        for new, old, place in pairs:
-            look = -math.inf  # an empty place alone does not say what left it
-            if new.look_weight > 0 and old.look_weight > 0:
-                likeness = float(looks.unit(new, self._space) @ looks.unit(old, self._space))
-                away = min((likeness - usual) / SAME_SIGMA, 0.0)
-                bell = math.exp(-(away**2) / 2) / (SAME_SIGMA * math.sqrt(2 * math.pi))
-                same = (1 - SAME_OUTLIERS) * bell + SAME_OUTLIERS / 2
-                look = math.log(same / told.density[_bin(likeness)])
-            left = min(place.evidence, GONE_MOST)
-            is_alike = look >= told.least
-            odds.append(look + left + parameters.move_odds if is_alike else -math.inf)
-        return odds
-
-    def _told(self, kind: str, known: int) -> Alike:
-        """Return what a likeness tells of a category, of which so many confirmed things are known.
-
-        The look has to tell the old thing from others that may have come instead. Where no other
-        is known, the place that it left and a look no stranger than another's do.
-        """
-        least = self._parameters.plain_odds if known > 2 else 0.0
-        return Alike(self._densities(kind), least)
-
     def _densities(self, kind: str) -> list[float]:
         """Return how dense different things of a category lie at likenesses (BINS,).
 
@@ -222,6 +242,18 @@ def _assumed() -> Floats:
     middle = (np.arange(BINS) + 0.5) * 2 / BINS - 1
     bell = np.exp(-(((middle - OTHER_MEAN) / OTHER_SIGMA) ** 2) / 2)
     return np.asarray(OTHER_PRIOR * bell / bell.sum())
+
+
+def _same(above: float) -> float:
+    """Return how dense the looks of a thing at two places lie so much above what is usual."""
+    alike = _bell(min(above, 0.0), SAME_SIGMA)
+    light = _bell(above + LIGHT_LESS, LIGHT_SIGMA)
+    follow = (1 - LIGHT_SHARE) * alike + LIGHT_SHARE * light
+    return (1 - SAME_OUTLIERS) * follow + SAME_OUTLIERS / 2
+
+
+def _bell(away: float, sigma: float) -> float:
+    return math.exp(-((away / sigma) ** 2) / 2) / (sigma * math.sqrt(2 * math.pi))
 
 
 def _bin(likeness: float) -> int:

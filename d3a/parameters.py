@@ -87,8 +87,9 @@ class Parameters:
     seen_through_m: float = 0.3  # depth this far behind a thing's place: it is not there
     expire_odds: float = 2.0  # log-odds (7 to 1) of its absence at which a tentative thing goes
     doubt_odds: float = 1.0  # the same by depth at its only sighting, once its interval is closed
-    move_odds: float = -3.0  # log-odds that a thing which turned up is a certain one, moved
-    move_probability: float = 0.9  # from here on a move is linked
+    move_odds: float = -3.5  # log-odds that what turned up is any of its category, moved,
+    alike_odds: float = -3.0  # and that it is a certain one whose look tells it from all others
+    move_probability: float = 0.95  # from here on a move is linked
     # Sightings
     interval_gap_s: float = 600.0  # an interval closes after this long without a view
     unbroken_gaps: float = 5.0  # default: nor by a pause of so many, while no look saw it gone

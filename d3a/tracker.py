@@ -52,12 +52,12 @@ class TrackerPipeline:
         self._categories = CategoryModel(parameters)
         self._matcher = Matcher(self._memory, self._categories, parameters)
         looks, space = self._matcher.looks, self._matcher.space
-        self._moves = Moves(self._memory, space, looks, parameters)
+        self._absence = Absence(self._memory, parameters)
+        self._moves = Moves(self._memory, space, looks, self._absence, parameters)
         neighbours = self._matcher.neighbours
         self._evidence = Evidence(
             self._memory, space, looks, self._categories, neighbours, parameters
         )
-        self._absence = Absence(self._memory, parameters)
         self._recall = Recall(self._memory, ledger, stored, parameters, outside)
         self._doubts = Doubts(parameters)
         self._encounters = Encounters(parameters)
@@ -311,6 +311,7 @@ class TrackerPipeline:
         self.write()
         self._recall.forget_all()
         self._matcher.offset = FrameOffset.unknown(self._parameters)
+        self._absence.looked.clear()
         self._encounters = Encounters(self._parameters)
 
     def take_events(self) -> list[Event]:
@@ -329,6 +330,7 @@ class TrackerPipeline:
         arrays["look_space"] = self._matcher.space.sums
         arrays["look_counts"] = self._matcher.space.counts
         arrays["doubts"] = self._doubts.counts
+        arrays["looked"] = self._absence.looked.rows
         arrays["look_scale"] = self._matcher.space.scale
         arrays["residuals"] = self._matcher.residuals
         arrays["doubt"] = np.array(self._categories.doubt)
@@ -371,5 +373,5 @@ class TrackerPipeline:
         self._matcher.neighbours.seen = np.array(arrays["looked_around"])
         self._categories.counts.update(record["categories"])
         self._matcher.offset.restore(record["offset"])
-        self._absence.restore(record["absence"])
+        self._absence.restore(record["absence"], arrays["looked"])
         self._encounters.restore(record["encounters"])

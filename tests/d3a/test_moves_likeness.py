@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from d3a.absence import Absence
 from d3a.known import Known, Place
 from d3a.likelihood import LookModel
 from d3a.look_space import LookSpace
@@ -16,7 +17,9 @@ ALIKE, UNLIKE = int(0.95 * BINS), int(0.6 * BINS)
 
 
 def _moves(others: dict[str, list[float]]) -> Moves:
-    moves = Moves(Memory(), LookSpace(DEFAULT), LookModel(DEFAULT), DEFAULT)
+    memory = Memory()
+    absence = Absence(memory, DEFAULT)
+    moves = Moves(memory, LookSpace(DEFAULT), LookModel(DEFAULT), absence, DEFAULT)
     moves.others = others
     return moves
 
@@ -54,10 +57,12 @@ def _thing(memory: Memory, number: int, look: list[float], first_ms: int, last_m
 
 @pytest.mark.parametrize(("others", "is_linked"), [(0, True), (12, False)])
 def test_a_changed_look_is_enough_where_there_is_only_one_such_thing(
-    others: int, is_linked: bool
+    others: int, is_linked: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    """Nothing was at the new place before; how many may have come there makes the difference."""
     mostly_unlike = [a + b for a, b in zip(_pairs(UNLIKE, 30.0), _pairs(ALIKE, 9.0), strict=True)]
     moves = _moves({"bag": mostly_unlike})
+    monkeypatch.setattr(moves._absence, "came", lambda place: 2.0)
     memory = moves._memory
     old = _thing(memory, 0, [1.0, 0.0, 0.0], 0, 1000)
     old.places[0].evidence, old.places[0].misses = 9.0, 3
