@@ -49,7 +49,12 @@ class Terminal:
         self._call("send-keys", *(["-l"] if literal else []), *keys)
 
     def resize(self, columns: int, rows: int) -> None:
-        self._call("resize-window", "-x", str(columns), "-y", str(rows))
+        size = f"{columns}x{rows}\n"
+        deadline = time.monotonic() + 60.0
+        while self._call("display-message", "-p", "#{pane_width}x#{pane_height}") != size:
+            assert time.monotonic() < deadline
+            self._call("resize-window", "-x", str(columns), "-y", str(rows))
+            time.sleep(0.1)
 
     def screen(self) -> str:
         return self._call("capture-pane", "-p")

@@ -8,7 +8,7 @@ import subprocess
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 
@@ -18,6 +18,8 @@ class Opened:
 
     process: subprocess.Popen[bytes]
     master: int
+    behind: bytearray = field(default_factory=bytearray)
+    """What came with the words that were last waited for, behind them."""
 
     def type(self, said: str | bytes) -> None:
         """Send keys."""
@@ -25,6 +27,7 @@ class Opened:
 
     def read(self, *, seconds: float) -> bytes:
         """Return the bytes that come within so many seconds."""
+        self.behind.clear()
         seen = b""
         deadline = time.monotonic() + seconds
         while (left := deadline - time.monotonic()) > 0:
@@ -38,17 +41,18 @@ class Opened:
 
     def read_until(self, words: bytes, limit_s: float = 180.0) -> None:
         """Read until `words` have come, or the program has ended without them."""
-        seen = b""
+        seen = bytes(self.behind)
         deadline = time.monotonic() + limit_s
         while words not in seen:
             has_ended = self.process.poll() is not None  # what it wrote before is read all the same
             seen += self.read(seconds=0.1)
             assert words in seen or not has_ended, seen[-1000:]
             assert time.monotonic() < deadline, seen[-1000:]
+        self.behind[:] = seen.partition(words)[2]
 
     def read_all(self) -> bytes:
         """Return what comes until the program has closed the terminal."""
-        seen = b""
+        seen = bytes(self.behind)
         while True:
             try:
                 seen += os.read(self.master, 1 << 16)
