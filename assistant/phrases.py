@@ -162,7 +162,18 @@ def condition_words(answer: Answer, query: FormalQuery) -> str:
     if f"in the {query.place}" in answer.unjudged:
         return related
     absent = query.negated and query.relation is None and query.ask != "whether"
-    return f"{related} {'not ' if absent else ''}{asked_place(query, query.place)}"
+    place = f" {'not ' if absent else ''}{asked_place(query, query.place)}"
+    # not on the counter in the kitchen would deny the kitchen too
+    return f"{place} but{related}" if related and _is_denied(query) else f"{related}{place}"
+
+
+def _is_denied(query: FormalQuery) -> bool:
+    """Whether what was found is what the relation does not hold of: the cups without a bowl.
+
+    A whether that is denied as a whole looked for what it denies: that was found with it.
+    """
+    denied = query.relation is not None and query.relation.negated
+    return denied != (query.negated and query.ask != "whether")
 
 
 def _related_words(answer: Answer, query: FormalQuery) -> str:
@@ -177,9 +188,14 @@ def _related_words(answer: Answer, query: FormalQuery) -> str:
         definite(term, numbered(query, term, answer.unjudged)) + _where_it_was(answer, query, term)
         for term in grounds
     ]
-    absent = query.negated and query.ask != "whether"
+    kind = _denied_kind(kind) if _is_denied(query) else kind
     described_by = _where_it_was(answer, query, term_of(query))
-    return f" {'not ' if absent else ''}{kind} {listed(told)}{described_by}"
+    return f" {kind} {listed(told)}{described_by}"
+
+
+def _denied_kind(kind: str) -> str:
+    """Return the words of a relation that does not hold: without, not on."""
+    return "without" if kind == "with" else f"not {kind}"
 
 
 def _where_it_was(answer: Answer, query: FormalQuery, term: ObjectTerm) -> str:
@@ -192,8 +208,7 @@ def _where_it_was(answer: Answer, query: FormalQuery, term: ObjectTerm) -> str:
         return ""
     kind = _RELATIONS.get(term.where.kind, term.where.kind)
     thing = definite(inner, numbered(query, inner, answer.unjudged))
-    if term.where.negated:
-        kind = "without" if kind == "with" else f"not {kind}"
+    kind = _denied_kind(kind) if term.where.negated else kind
     return f" {kind} {thing}{_where_it_was(answer, query, inner)}"
 
 

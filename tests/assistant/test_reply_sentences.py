@@ -197,6 +197,23 @@ SAID = {
         "with the bowl once. I am fairly sure: seen once then, five "
         "times in all."
     ),
+    "Did you see a cup without the bowl?": (
+        "Yes. I saw a cup without the bowl today at 15:30, 4 hours ago, in the living room, next "
+        "to the couch. I am fairly sure: seen five times."
+    ),
+    "When did you see a cup without the bowl?": (
+        "Today at 15:30, 4 hours ago, in the living room, next to the couch. I saw the cup "
+        "without the bowl once. I am fairly sure: seen five times."
+    ),
+    "Did you see a bowl in the kitchen but not on the couch?": (
+        "Yes. I saw a bowl in the kitchen but not on the couch today at 12:30, 6 hours ago, next "
+        "to the dining table. When I looked there again today at 13:40, it was gone. I am fairly "
+        "sure: seen five times."
+    ),
+    "Did you see a bowl that is not on the dining table?": (
+        "I did not see a bowl not on the dining table. I last saw one today at 12:30, 6 hours "
+        "ago, in the kitchen."
+    ),
     "Where are the couch and the bowl?": (
         "I last saw the couch today at 15:40, 3 hours ago, in the living room. I last saw the "
         "bowl today at 12:30, 6 hours ago, in the kitchen, next to the dining table."
