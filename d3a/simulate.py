@@ -6,6 +6,7 @@ by people, look alike and are mistaken. The recording is a plain folder, read li
 
 from __future__ import annotations
 
+import json
 import shutil
 import zlib
 from collections.abc import Callable, Iterator
@@ -93,7 +94,7 @@ def simulate(
     `even-patrol`; the same arguments give the same bytes. depth: write a depth image per frame.
     arrange: changes the seed's world before the robot drives, for worlds of one's own.
     Raises BadInput for an unknown condition, for hours outside of 0.05 to 200, and where `out`
-    exists and is not a recording.
+    holds anything but a simulated recording.
     """
     chosen = named(condition)
     if not 0.05 <= hours <= 200:
@@ -111,7 +112,7 @@ def simulate(
     reports = _embedded(reports, chosen, world, streams)
     name, dim = writer.embedding_name(chosen, len(world.things))
     hours_name = f"{hours:g}".replace(".", "p")
-    writer.write_facts(out, f"simulated-{hours_name}h-{seed}-{chosen.name}", name, dim)
+    writer.write_facts(out, f"{writer.SIMULATED}{hours_name}h-{seed}-{chosen.name}", name, dim)
     writer.write_frames(out, believed, chosen, depth)
     writer.write_detections(out, reports, reports.embedding)
     if depth:
@@ -141,16 +142,24 @@ def _embedded(reports: Reports, condition: Condition, world: World, streams: _St
 
 
 def _prepare(out: Path) -> None:
-    """Make the folder; an older recording in it is replaced, anything else is left alone."""
+    """Make the folder; an older simulation in it is replaced, anything else is left alone."""
     if out.exists() and any(out.iterdir()):
-        if not (out / "recording.json").exists():
-            raise BadInput(f"{out} exists and is not a recording; name an empty or new folder")
+        if not _is_simulated(out):
+            raise BadInput(f"{out} exists and was not simulated; name an empty or new folder")
         for path in _written(out):
             if path.is_dir():
                 shutil.rmtree(path)
             else:
                 path.unlink()
     out.mkdir(parents=True, exist_ok=True)
+
+
+def _is_simulated(out: Path) -> bool:
+    try:
+        facts = json.loads((out / "recording.json").read_text(encoding="utf-8"))
+    except (OSError, ValueError):  # what cannot be told is somebody's own
+        return False
+    return isinstance(facts, dict) and str(facts.get("recording")).startswith(writer.SIMULATED)
 
 
 def _written(out: Path) -> Iterator[Path]:

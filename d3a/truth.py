@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from datetime import datetime
 from pathlib import Path
@@ -107,19 +108,35 @@ def lines_of(path: Path) -> Iterator[Json]:
 
 
 def read_truth(folder: Path) -> Truth:
-    """Return the truth of a recording folder; raises BadInput where there is none."""
+    """Return the truth of a recording folder; raises BadInput where there is none.
+
+    An ingest leaves out what is broken; a judgement has to know every row, and does not begin.
+    """
     path = folder / "truth.jsonl"
     if not path.exists():
         raise BadInput(f"{folder} has no truth.jsonl; `d3a simulate` writes one")
-    times = {row["frame"]: milliseconds(row["time"]) for row in lines_of(folder / "frames.jsonl")}
     rows = list(lines_of(folder / "detections.jsonl"))
-    try:
+    with _judged(path, "a truth file"):
         objects = tuple(_object(record) for record in lines_of(path))
-    except (KeyError, TypeError, ValueError) as error:
-        raise BadInput(f"{path} is not a truth file: {error!r}") from error
-    owner = np.full(len(rows), -1, dtype=np.intp)
-    for k, one in enumerate(objects):
-        owner[list(one.detections)] = k
+        owner = np.full(len(rows), -1, dtype=np.intp)
+        for k, one in enumerate(objects):
+            owner[list(one.detections)] = k
+    with _judged(folder, "a recording that can be judged, with every line whole"):
+        return _truth(objects, owner, list(lines_of(folder / "frames.jsonl")), rows)
+
+
+@contextmanager
+def _judged(path: Path, wanted: str) -> Iterator[None]:
+    try:
+        yield
+    except (LookupError, TypeError, ValueError) as error:
+        raise BadInput(f"{path} is not {wanted}: {error!r}") from error
+
+
+def _truth(
+    objects: tuple[TrueObject, ...], owner: NDArray[np.intp], frames: list[Json], rows: list[Json]
+) -> Truth:
+    times = {row["frame"]: milliseconds(row["time"]) for row in frames}
     nowhere = (float("nan"),) * 3
     return Truth(
         objects=objects,

@@ -70,7 +70,8 @@ class Evaluation:
         names = ", ".join(world.title for world in self.worlds)
         hours = sorted({f"{world.hours:g} h" for world in self.worlds if world.folder is None})
         lead = (
-            f"Worlds: {names}{' (' + ', '.join(hours) + ')' if hours else ''}. Figures are means "
+            f"Worlds: {names}{' (' + ', '.join(hours) + ')' if hours else ''}; simulated ones of "
+            f"Exp 3 are of {LONG_HOURS:g} h or longer. Figures are means "
             "over the worlds ± their standard deviation (of a sample; one world has none). Grey "
             f"columns are the paper's, of its one laboratory.{self._asked()}",
             "Every question went as a sentence through the grammar, the planner and a store; the "

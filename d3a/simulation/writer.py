@@ -35,6 +35,10 @@ def moment(seconds: float) -> str:
     )
 
 
+SIMULATED = "simulated-"
+"""How the names of simulated recordings begin."""
+
+
 def frame_name(number: int) -> str:
     """Return a frame's name in the recording."""
     return f"{number:06d}"

@@ -238,7 +238,7 @@ def test_refuses_what_cannot_be_made(tmp_path: Path) -> None:
         simulate(tmp_path / "w", hours=0)
     (tmp_path / "mine").mkdir()
     (tmp_path / "mine" / "letter.txt").write_text("keep me", encoding="utf-8")
-    with pytest.raises(BadInput, match="not a recording"):
+    with pytest.raises(BadInput, match="was not simulated"):
         simulate(tmp_path / "mine", hours=0.1)
     assert (tmp_path / "mine" / "letter.txt").exists()
 
@@ -248,3 +248,27 @@ def test_replaces_an_older_recording(tmp_path: Path) -> None:
     made = simulate(tmp_path / "w", hours=0.1, seed=1, depth=False)
     assert not (tmp_path / "w" / "depth").exists()
     assert read_truth(tmp_path / "w").frames == made.frames
+
+
+def test_leaves_a_recording_of_somebody_alone(tmp_path: Path) -> None:
+    mine = '{"schema": 1, "recording": "my kitchen"}'
+    (tmp_path / "recording.json").write_text(mine, encoding="utf-8")
+    with pytest.raises(BadInput, match="was not simulated"):
+        simulate(tmp_path, hours=0.05, depth=False)
+    assert (tmp_path / "recording.json").read_text(encoding="utf-8") == mine
+
+
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("frames.jsonl", ""),
+        ("frames.jsonl", "[]\n"),
+        ("detections.jsonl", ""),
+        ("truth.jsonl", '{"object": "cup-1", "category": "cup", "places": 3}\n'),
+    ],
+)
+def test_says_what_cannot_be_judged(tmp_path: Path, name: str, text: str) -> None:
+    simulate(tmp_path, hours=0.1, depth=False)
+    (tmp_path / name).write_text(text, encoding="utf-8")
+    with pytest.raises(BadInput, match="is not a"):
+        read_truth(tmp_path)
