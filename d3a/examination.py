@@ -12,14 +12,29 @@ from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 from d3a.checkpoint import unpack
 from d3a.forgotten import UNSCRUBBED
 from d3a.model import Json
-from d3a.store.base import SCHEMA, Batch, Sighting, StayKey, StayRecord, Store, StoreError
+from d3a.store.base import (
+    SCHEMA,
+    Batch,
+    Sighting,
+    StayKey,
+    StayRecord,
+    Store,
+    StoreDamaged,
+    StoreError,
+)
 
 _SHOWN = 5
 
 
 def examine(store: Store) -> list[str]:
     """Return what is wrong with a store, a sentence each: its own check, then the records."""
-    return [*store.check(), *_records(store), *_pictures(store), *_rest(store)]
+    found = store.check()
+    for what, look in (("records", _records), ("pictures", _pictures), ("the rest", _rest)):
+        try:
+            found += look(store)
+        except StoreDamaged as error:
+            found.append(f"{what} cannot all be read: {error.__cause__ or error}")
+    return found
 
 
 def mend(store: Store) -> list[str]:

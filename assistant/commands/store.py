@@ -11,7 +11,15 @@ import click
 
 from assistant.config import Settings
 from assistant.exits import ExitCode
-from assistant.options import failures, opened, settings_of, settings_options, store_name, zone_for
+from assistant.options import (
+    Failure,
+    failures,
+    opened,
+    settings_of,
+    settings_options,
+    store_name,
+    zone_for,
+)
 from assistant.terminal import clean, emit, is_terminal
 from assistant.told import when
 
@@ -20,6 +28,7 @@ if TYPE_CHECKING:
     from d3a.store.base import Store
 
 SCHEMA = 1
+_BEYOND = "d3a store copy makes a sound one if all can still be read; else ingest anew"
 
 
 @click.group("store")
@@ -68,12 +77,17 @@ def _copied(
     told: Callable[[int], None] | None,
 ) -> Json:
     """Copy, and say that a target which was cut short is of no use."""
-    from d3a.store.base import StoreError, StoreRefused
+    from d3a.store.base import StoreDamaged, StoreError, StoreRefused
 
     try:
         return copy_store(origin, target, progress=told)
     except StoreRefused:
         raise  # nothing was written
+    except StoreDamaged as error:
+        raise StoreError(
+            f"{error}; {target.uri} has only what could be read before: delete it, and take "
+            "another copy or ingest anew"
+        ) from error
     except StoreError as error:
         raise StoreError(
             f"{error}; {target.uri} is not whole: delete it, and copy again"
@@ -97,15 +111,8 @@ def check(context: click.Context, repair: bool, as_json: bool) -> None:
 
     Status: 0 sound, 1 damaged (with --repair: still), 3 the store cannot be reached.
     """
-    from d3a.examination import examine, mend
-
     settings = settings_of(context)
-    mended: list[str] = []
-    with opened(settings) as store:
-        damage = examine(store)
-        if repair and damage:
-            mended = mend(store)
-            damage = examine(store)
+    damage, mended, hint = _checked(settings, repair=repair)
     if as_json:
         record = {"schema": SCHEMA, "sound": not damage, "damage": damage, "mended": mended}
         emit(record)
@@ -116,9 +123,31 @@ def check(context: click.Context, repair: bool, as_json: bool) -> None:
             click.echo(clean(f"damage: {sentence}"))
         click.echo("The store is damaged." if damage else "The store is sound.")
     if damage and not settings.quiet:
-        hint = "copy what is sound with d3a store copy" if repair else "--repair mends what it can"
         click.echo(f"{hint}; store: {store_name(settings)}", err=True)
     context.exit(ExitCode.NOTHING if damage else ExitCode.OK)
+
+
+def _checked(settings: Settings, *, repair: bool) -> tuple[list[str], list[str], str]:
+    """Return what is damaged, what was mended, and what would do."""
+    from d3a.examination import examine, mend
+    from d3a.store.base import StoreDamaged
+
+    mended: list[str] = []
+    hint = "copy what is sound with d3a store copy" if repair else "--repair mends what it can"
+    try:
+        with opened(settings) as store:
+            damage = examine(store)
+            if repair and damage:
+                try:
+                    mended = mend(store)
+                    damage = examine(store)
+                except StoreDamaged as error:
+                    hint = f"{error.__cause__ or error}; {_BEYOND}"
+    except Failure as failure:
+        if not isinstance(failure.__cause__, StoreDamaged):
+            raise
+        damage, hint = [str(failure)], _BEYOND
+    return damage, mended, hint
 
 
 @command.command("info")

@@ -31,6 +31,7 @@ from d3a.store.documents import (
 from d3a.store.errors import (
     StoreBusy,
     StoreConflict,
+    StoreDamaged,
     StoreError,
     StoreMissing,
     StoreRefused,
@@ -59,6 +60,7 @@ __all__ = [
     "Store",
     "StoreBusy",
     "StoreConflict",
+    "StoreDamaged",
     "StoreError",
     "StoreMissing",
     "StoreRefused",

@@ -17,6 +17,10 @@ class StoreMissing(StoreUnreachable):
     """There is no store at that address yet; one is made where something is put in."""
 
 
+class StoreDamaged(StoreError):  # noqa: N818
+    """The bytes of the store are damaged: what they held cannot be read, or not all of it."""
+
+
 class StoreRefused(StoreError):  # noqa: N818
     """A record is outside of the limits of the store (see `limits.py`)."""
 

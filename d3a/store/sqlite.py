@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from d3a.model import Json
-from d3a.store import schema, sqlite_check, sqlite_read, sqlite_repair
+from d3a.store import schema, sqlite_check, sqlite_errors, sqlite_read, sqlite_repair
 from d3a.store.base import (
     Area,
     Batch,
@@ -96,7 +96,7 @@ class SqliteStore:
         try:
             yield
         except sqlite3.Error as error:
-            raise StoreError(f"{self.uri}: {error}") from error
+            raise sqlite_errors.told(self.uri, error) from error
 
     # writing
     def apply(self, batch: Batch) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import sqlite3
 
 from d3a.store.schema import SLACK_M
+from d3a.store.sqlite_errors import is_damage
 
 _SHOWN = 5
 _COUNTED = {
@@ -82,11 +83,53 @@ def counts(connection: sqlite3.Connection) -> dict[str, int]:
 
 def check(connection: sqlite3.Connection, *, trees: bool) -> list[str]:
     """Return a sentence for each kind of damage, with the first few records that show it."""
-    found = [
-        f"the file is damaged: {text}"
-        for (text,) in connection.execute("PRAGMA integrity_check")
-        if text != "ok"
-    ]
+    found = [f"the file is damaged: {text}" for text in page_damage(connection)]
+    try:
+        found += _dangling(connection, trees=trees)
+    except sqlite3.DatabaseError as error:
+        if not is_damage(error):
+            raise
+        found.append(f"what else is wrong cannot be looked for: {error}")
+    return found
+
+
+def page_damage(connection: sqlite3.Connection) -> list[str]:
+    """Return what SQLite finds wrong with the pages and the indexes of the file.
+
+    Where the damage stops SQLite's own look at the whole, each table is looked at by itself.
+    """
+    found, stopped = _integrity(connection, "")
+    if stopped is None:
+        return found
+    try:
+        query = "SELECT name FROM sqlite_master WHERE type = 'table' ORDER BY name"
+        tables = [name for (name,) in connection.execute(query)]
+    except sqlite3.DatabaseError as error:
+        if not is_damage(error):
+            raise
+        tables = []
+    for table in tables:
+        wrong, ended = _integrity(connection, f"('{table}')")
+        found += [f"table {table}: {text}" for text in wrong]
+        found += [] if ended is None else [f"table {table} cannot all be read: {ended}"]
+    return found or [stopped]
+
+
+def _integrity(connection: sqlite3.Connection, which: str) -> tuple[list[str], str | None]:
+    """Return what is wrong with all or one table, and what ended the look before its time."""
+    found: list[str] = []
+    try:
+        for (text,) in connection.execute(f"PRAGMA integrity_check{which}"):
+            found += [] if text == "ok" else str(text).splitlines()
+    except sqlite3.DatabaseError as error:
+        if not is_damage(error):
+            raise
+        return found, str(error)
+    return found, None
+
+
+def _dangling(connection: sqlite3.Connection, *, trees: bool) -> list[str]:
+    found = []
     if trees:
         for tree in ("stc_tree", "sighting_tree"):
             (text,) = connection.execute("SELECT rtreecheck(?)", (tree,)).fetchone()

@@ -8,9 +8,10 @@ from pathlib import Path
 from time import monotonic, sleep
 
 from d3a.store import schema
-from d3a.store.base import StoreError, StoreMissing, StoreUnreachable
+from d3a.store.base import StoreDamaged, StoreError, StoreMissing, StoreUnreachable
 from d3a.store.schema import APPLICATION_ID, Migration
 from d3a.store.sqlite import BUSY_TIMEOUT_S, SqliteStore, connect
+from d3a.store.sqlite_errors import begins_as_store
 
 MIGRATIONS: tuple[Migration, ...] = (schema.index_votes, schema.add_apart)
 _OLDEST = (3, 24, 0)  # the first with upserts
@@ -26,8 +27,8 @@ def open_sqlite(
     """Open the store in a file, and make it first where `create` says so and there is none.
 
     Raises StoreMissing where there is none, StoreUnreachable where the file cannot be opened or
-    made, StoreError for a file of another program or of a newer schema. migrations: see
-    `schema.migrate`.
+    made, StoreDamaged for what only begins as a store, StoreError for a file of another program or
+    of a newer schema. migrations: see `schema.migrate`.
     """
     uri = f"sqlite:///{path}"
     if sqlite3.sqlite_version_info < _OLDEST:
@@ -54,6 +55,11 @@ def open_sqlite(
         raise StoreUnreachable(f"{uri}: {error}") from error
     except sqlite3.DatabaseError as error:
         connection.close()
+        if begins_as_store(path):
+            raise StoreDamaged(
+                f"{uri}: it begins as a store of d3a, and is damaged or cut short ({error}); "
+                "take a copy of it that is whole, or ingest the recordings anew"
+            ) from error
         raise StoreError(f"{uri}: it is not a store of d3a ({error}); name another file") from error
     except StoreError as error:
         connection.close()

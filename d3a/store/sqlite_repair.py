@@ -7,8 +7,9 @@ from __future__ import annotations
 
 import sqlite3
 
+from d3a.store.base import StoreDamaged
 from d3a.store.schema import SLACK_M, TREE_STEP_MS
-from d3a.store.sqlite_check import check
+from d3a.store.sqlite_check import check, page_damage
 
 _MENDED = {
     "removed {} stays of objects that are not stored": """
@@ -49,9 +50,13 @@ _FILL_SIGHTINGS = f"""
 
 
 def repair(connection: sqlite3.Connection, *, trees: bool) -> list[str]:
-    """Mend the file inside the caller's transaction; return a sentence for each change."""
+    """Mend the file inside the caller's transaction; return a sentence for each change.
+
+    Raises StoreDamaged where pages are, beyond what an index built anew would mend.
+    """
     if not check(connection, trees=trees):
         return []
+    _build_indexes(connection)
     said = []
     for sentence, statement in _MENDED.items():
         count = connection.execute(statement).rowcount
@@ -65,11 +70,24 @@ def repair(connection: sqlite3.Connection, *, trees: bool) -> list[str]:
         ).rowcount
         if raised:
             said.append(f"raised the bound {key} of the time filters")
-    connection.execute("REINDEX")
     connection.execute("UPDATE stc SET tree_x = x, tree_y = y")
     if trees:
         _rebuild_trees(connection)
     return [*said, f"built the indexes{' and the R*Trees' if trees else ''} anew"]
+
+
+def _build_indexes(connection: sqlite3.Connection) -> None:
+    """Make the indexes anew; raise StoreDamaged where that does not mend the pages.
+
+    What a damaged table no longer tells is not known, so nothing dangles for certain.
+    """
+    try:
+        connection.execute("REINDEX")
+        broken = page_damage(connection)
+    except sqlite3.IntegrityError as error:  # a row stands twice
+        broken = [str(error)]
+    if broken:
+        raise StoreDamaged(f"damaged pages cannot be mended, and nothing was changed: {broken[0]}")
 
 
 def _rebuild_trees(connection: sqlite3.Connection) -> None:

@@ -189,6 +189,34 @@ def test_damage_is_told_and_mended(run: Run) -> None:
     assert run("store", "check", "--store", "none.db").exit_code == 3
 
 
+def test_a_damaged_file_is_listed_with_what_would_do(run: Run) -> None:
+    assert run("store", "copy", "home.db", "cut.db").exit_code == 0
+    with closing(sqlite3.connect("home.db")) as connection:
+        connection.execute("PRAGMA wal_checkpoint(TRUNCATE)")
+        query = "SELECT rootpage FROM sqlite_master WHERE name = 'keyframe'"
+        (page,) = connection.execute(query).fetchone()
+        (size,) = connection.execute("PRAGMA page_size").fetchone()
+    with Path("home.db").open("r+b") as file:
+        file.seek((page - 1) * size)
+        file.write(b"\xa5" * (size // 2))
+    with closing(sqlite3.connect("cut.db")) as connection:
+        connection.execute("PRAGMA wal_checkpoint(TRUNCATE)")
+    cut = Path("cut.db").read_bytes()
+    Path("cut.db").write_bytes(cut[: len(cut) // 3])
+    for options in ((), ("--repair",)):
+        damaged = run("store", "check", *HOME, *options)
+        assert damaged.exit_code == 1
+        assert "damage: the file is damaged: table keyframe" in damaged.stdout
+    assert "store copy" in damaged.stderr
+    assert "ingest anew" in damaged.stderr
+    short = run("store", "check", "--store", "cut.db")
+    assert short.exit_code == 1
+    assert "begins as a store of d3a, and is damaged" in short.stdout
+    copied = run("store", "copy", "home.db", "copied.db")
+    assert copied.exit_code == 3
+    assert "ingest anew" in copied.stderr
+
+
 def test_info_tells_a_person(run: Run) -> None:
     lines = run("store", "info", *HOME).stdout.splitlines()
     assert lines[0].startswith("store       sqlite:///home.db, schema")

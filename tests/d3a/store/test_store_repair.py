@@ -9,8 +9,9 @@ from pathlib import Path
 
 import pytest
 
+from d3a.examination import examine
 from d3a.store import open_store
-from d3a.store.base import Batch, Store, StoreError
+from d3a.store.base import Batch, Store, StoreDamaged, StoreError
 from tests.worlds import small_home
 
 TAMPERED = {
@@ -106,3 +107,47 @@ def test_a_picture_is_not_both_put_and_removed(make_store: Callable[[], Store]) 
         assert picture is not None
         with pytest.raises(StoreError, match="both put and removed"):
             store.apply(Batch(keyframes=[picture], removed_keyframes=["p1"]))
+
+
+def overwrite(path: Path, table: str, share: float = 0.5) -> None:
+    """Write nonsense over pages of a table, as a dying disk does."""
+    with closing(sqlite3.connect(path)) as connection:
+        connection.execute("PRAGMA wal_checkpoint(TRUNCATE)")
+        (page,) = connection.execute(
+            "SELECT rootpage FROM sqlite_master WHERE name = ?", (table,)
+        ).fetchone()
+        (size,) = connection.execute("PRAGMA page_size").fetchone()
+    content = bytearray(path.read_bytes())
+    begin, length = (page - 1) * size, int(size * share)
+    content[begin : begin + length] = b"\xa5" * length
+    path.write_bytes(content)
+
+
+@pytest.mark.parametrize("table", ["keyframe", "encounter", "sighting", "oic", "state"])
+def test_damaged_pages_are_listed_and_left_alone(tmp_path: Path, table: str) -> None:
+    path = tmp_path / "home.db"
+    with closing(open_store(str(path))) as store:
+        small_home.fill(store)
+    overwrite(path, table)
+    before = path.read_bytes()
+    with closing(open_store(str(path))) as store:
+        assert any(table in sentence for sentence in examine(store))
+        with pytest.raises(StoreDamaged, match="damaged"):
+            store.repair()
+        assert examine(store)
+    assert path.read_bytes() == before
+
+
+@pytest.mark.parametrize("length", [200, 5000, 20_000])
+def test_a_store_cut_short_is_damaged_and_other_files_are_not(tmp_path: Path, length: int) -> None:
+    path, notes = tmp_path / "home.db", tmp_path / "notes.db"
+    with closing(open_store(str(path))) as store:
+        small_home.fill(store)
+        store.scrub()
+    path.write_bytes(path.read_bytes()[:length])
+    notes.write_text("these are my notes\n" * 100)
+    with pytest.raises(StoreDamaged, match=r"begins as a store of d3a.*ingest"):
+        open_store(str(path), create=False)
+    with pytest.raises(StoreError, match="not a store of d3a") as refused:
+        open_store(str(notes), create=False)
+    assert not isinstance(refused.value, StoreDamaged)
