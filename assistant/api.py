@@ -12,21 +12,26 @@ loads it when it is first used.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
 from types import TracebackType
-from typing import Literal
+from typing import Any, Literal
 
 from assistant import asking
 from assistant.tense import as_of_now
 from d3a.answer import Answer
 from d3a.facts import Facts
+from d3a.model import BadInput
 from d3a.plan import Plan, plan
 from d3a.store import open_store
 from d3a.store.base import Keyframe, ObjectRecord, Store
-from grammar.forms import FormalQuery
+from grammar.errors import QuestionError
+from grammar.forms import FormalQuery, FormError
 
+_TIMES = 'a time, an ISO text such as 2026-05-14T20:30+01:00 or "last" would do'
+Question = str | FormalQuery | Mapping[str, Any]
+"""Words or the formal notation; a formal query, or the JSON record of one."""
 Now = datetime | str | None
 """A time, an ISO text, "last" for the newest frame's; None: the store's own, else the clock."""
 
@@ -38,6 +43,14 @@ def open(store: str | Path, *, create: bool = False) -> Memory:  # noqa: A001  d
     opened); passwords in the address are never shown.
     """
     return Memory(open_store(str(store), create=create))
+
+
+class BadQuestion(BadInput):
+    """A question that has no formal query; `error` is the grammar's, with position and kind."""
+
+    def __init__(self, error: QuestionError) -> None:
+        super().__init__(str(error))
+        self.error = error
 
 
 class Memory:
@@ -72,54 +85,117 @@ class Memory:
 
     def ask(
         self,
-        question: str | FormalQuery,
+        question: Question,
         *,
         now: Now = None,
         limit: int = 50,
         precision: str | None = None,
     ) -> Answer:
-        """Answer a question: words, the formal notation, or a FormalQuery.
+        """Answer a question: words, the formal notation, a FormalQuery, or its JSON record.
 
-        precision: "perfect", "category", "attribute" or "any" forces a rung of the ladder on which
-        words are matched. A question that cannot be understood and a store that fails are answers
-        with their `status`; ValueError for an unknown precision or a `now` that is no time.
+        limit: the most keyframes, from 1. precision: "perfect", "category", "attribute" or "any"
+        forces a rung of the ladder on which words are matched. A question that cannot be understood
+        and a store that fails are answers with their `status`; BadInput is raised for the rest:
+        what is no question, no time, no precision, no limit.
         """
-        moment = self.now(now)
-        if isinstance(question, str):
-            return asking.ask(self.store, question, now=moment, limit=limit, precision=precision)
-        return asking.ask_query(self.store, question, now=moment, limit=limit, precision=precision)
+        if isinstance(limit, bool) or not isinstance(limit, int) or limit < 1:
+            raise BadInput(f"limit is {limit!r}; it must be a whole number from 1")
+        moment, asked = self.now(now), _asked(question)
+        if isinstance(asked, str):
+            return asking.ask(self.store, asked, now=moment, limit=limit, precision=precision)
+        return asking.ask_query(self.store, asked, now=moment, limit=limit, precision=precision)
 
-    def query(self, question: str, *, now: Now = None) -> FormalQuery:
-        """Return the formal query of a question. Raises grammar.QuestionError where it has none."""
-        return asking.read_question(self.store, question, now=self.now(now))
+    def query(self, question: Question, *, now: Now = None) -> FormalQuery:
+        """Return the formal query of a question. Raises BadQuestion where it has none."""
+        asked, moment = _asked(question), self.now(now)
+        if not isinstance(asked, str):
+            return asked
+        try:
+            return asking.read_question(self.store, asked, now=moment)
+        except QuestionError as error:
+            raise BadQuestion(error) from error
 
-    def plan(self, question: str | FormalQuery, *, now: Now = None) -> Plan:
-        """Return the steps by which a question is answered; nothing is asked of OIc and STc."""
-        query = self.query(question, now=now) if isinstance(question, str) else question
+    def plan(self, question: Question, *, now: Now = None) -> Plan:
+        """Return the steps by which a question is answered; nothing is asked of OIc and STc.
+
+        Raises BadQuestion.
+        """
+        query = self.query(question, now=now)
         return plan(as_of_now(query), parameters=Facts(self.store).parameters())
 
-    def explain(self, question: str | FormalQuery, *, now: Now = None) -> asking.Explanation:
-        """Answer a question and tell how: plan, native queries with index and rows, times."""
-        return asking.explain(self.store, question, now=self.now(now))
+    def explain(self, question: Question, *, now: Now = None) -> asking.Explanation:
+        """Answer a question and tell how: plan, native queries with index and rows, times.
+
+        Raises BadQuestion.
+        """
+        try:
+            return asking.explain(self.store, _asked(question), now=self.now(now))
+        except QuestionError as error:
+            raise BadQuestion(error) from error
 
     def objects(
-        self, *, categories: Sequence[str] | None = None, names: Sequence[str] | None = None
+        self,
+        *,
+        categories: Sequence[str] | str | None = None,
+        names: Sequence[str] | str | None = None,
     ) -> list[ObjectRecord]:
-        """Return the objects of OIc by id; categories, names: exactly, and-ed."""
-        return self.store.objects(categories=categories, names=names)
+        """Return the objects of OIc by id; categories, names: exactly, one or several, and-ed."""
+        return self.store.objects(
+            categories=_words("categories", categories), names=_words("names", names)
+        )
 
     def keyframe(self, image: str) -> Keyframe | None:
         """Return the stored picture behind a keyframe's `image`, None where there is none."""
+        if not isinstance(image, str):
+            raise BadInput(f"image is {image!r}; the `image` of a keyframe that has one would do")
         return self.store.keyframe(image)
 
     def now(self, given: Now = None) -> datetime:
-        """Return the moment that a question is asked at, in the home's zone."""
-        last: Literal["last"] | datetime | None
-        if given == "last":
-            last = "last"
-        else:
-            last = datetime.fromisoformat(given) if isinstance(given, str) else given
-        return asking.store_now(self.store, last, _clock)
+        """Return the moment that a question is asked at, in the home's zone.
+
+        Raises BadInput for what is no time.
+        """
+        moment = _moment(given)
+        try:
+            return asking.store_now(self.store, moment, _clock)
+        except OverflowError as error:
+            raise BadInput(f"now is {given!r}; {_TIMES}") from error
+
+
+def _moment(given: object) -> datetime | Literal["last"] | None:
+    """Return what `now` says; raise BadInput for what is no time."""
+    if given is None or isinstance(given, datetime):
+        return given
+    if given == "last":
+        return "last"
+    try:
+        return datetime.fromisoformat(str(given))
+    except ValueError as error:
+        raise BadInput(f"now is {given!r}; {_TIMES}") from error
+
+
+def _asked(question: object) -> str | FormalQuery:
+    """Return words and formal queries as they are, and the query of a record."""
+    if isinstance(question, str | FormalQuery):
+        return question
+    if not isinstance(question, Mapping):
+        raise BadInput(
+            f"the question is {question!r}; words, a FormalQuery or its JSON record would do"
+        )
+    try:
+        return FormalQuery.from_json(question)
+    except FormError as error:
+        raise BadInput(f"the question is a record that cannot be read: {error}") from error
+
+
+def _words(field: str, given: object) -> list[str] | None:
+    """Return the words of a filter; one word alone is a list of it."""
+    if given is None:
+        return None
+    words = [given] if isinstance(given, str) else given
+    if not isinstance(words, Sequence) or not all(isinstance(word, str) for word in words):
+        raise BadInput(f"{field} is {given!r}; a word or a list of words would do")
+    return list(words)
 
 
 def _clock() -> datetime:

@@ -22,7 +22,7 @@ from d3a.answer import Answer, Status
 from d3a.conclude import within
 from d3a.execute import execute
 from d3a.facts import Facts
-from d3a.model import Json
+from d3a.model import BadInput, Json
 from d3a.parameters import Parameters
 from d3a.plan import Plan, Precision, plan
 from d3a.store.base import FORGOTTEN, NativeQuery, Store, StoreError
@@ -291,7 +291,7 @@ def _precision(word: str | None) -> Precision | None:
     for precision in PRECISIONS:
         if precision == word:
             return precision
-    raise ValueError(f"precision {word!r} must be one of {', '.join(PRECISIONS)}")
+    raise BadInput(f"precision {word!r} must be one of {', '.join(PRECISIONS)}")
 
 
 def _ms_since(started: float) -> float:

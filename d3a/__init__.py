@@ -10,14 +10,16 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from assistant.api import Memory, open  # noqa: A004  d3a.open is its name
+    from assistant.api import BadQuestion, Memory, open  # noqa: A004  d3a.open is its name
     from d3a.answer import Answer, RankedKeyframe
-    from d3a.model import D3AError
+    from d3a.model import BadInput, D3AError
     from d3a.store.base import StoreError, StoreUnreachable
     from grammar.forms import FormalQuery
 
 __all__ = [
     "Answer",
+    "BadInput",
+    "BadQuestion",
     "D3AError",
     "FormalQuery",
     "Memory",
@@ -28,6 +30,8 @@ __all__ = [
 ]
 _HOMES = {
     "Answer": "d3a.answer",
+    "BadInput": "d3a.model",
+    "BadQuestion": "assistant.api",
     "D3AError": "d3a.model",
     "FormalQuery": "grammar.forms",
     "Memory": "assistant.api",

@@ -6,9 +6,11 @@ import doctest
 import re
 import subprocess
 import sys
+from collections.abc import Callable
 from contextlib import closing
 from datetime import UTC, datetime
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -20,7 +22,8 @@ from d3a.ingest import ingest
 from d3a.parameters import DEFAULT
 from d3a.readers.opening import open_source
 from d3a.store import open_store
-from grammar import QuestionError
+from grammar import OutOfScope
+from grammar.forms import FormalQuery
 
 ROOT = Path(__file__).resolve().parents[2]
 BLOCK = re.compile(r"^```python\n(>>> .*?)^```$", re.MULTILINE | re.DOTALL)
@@ -84,16 +87,16 @@ def test_limit_precision_and_now_are_those_of_ask(home: str) -> None:
         assert {k.start.date().isoformat() for k in before.keyframes} == {"2026-05-12"}
         assert memory.now("last").isoformat(timespec="seconds") == "2026-05-14T19:50:46+01:00"
         assert memory.now(datetime(2026, 5, 14, tzinfo=UTC)).hour == 1, "in the home's zone"
-        with pytest.raises(ValueError, match="precision 'sharp'"):
+        with pytest.raises(d3a.BadInput, match="precision 'sharp'"):
             memory.ask("Where is the cup?", precision="sharp")
-        with pytest.raises(ValueError, match="isoformat"):
+        with pytest.raises(d3a.BadInput, match="ISO text"):
             memory.ask("Where is the cup?", now="soon")
 
 
 def test_what_is_not_understood_is_an_answer_and_only_query_raises(home: str) -> None:
     with d3a.open(home) as memory:
         assert memory.ask("blorp the fnord").status == "not_understood"
-        with pytest.raises(QuestionError):
+        with pytest.raises(d3a.BadQuestion):
             memory.query("blorp the fnord")
         cups = memory.objects(categories=["cup"])
         assert cups
@@ -104,6 +107,59 @@ def test_what_is_not_understood_is_an_answer_and_only_query_raises(home: str) ->
         assert picture is not None
         assert picture.jpeg.startswith(b"\xff\xd8")
         assert repr(memory).endswith("home.db>")
+
+
+BAD: dict[str, Callable[[Any], object]] = {
+    "a question of the wrong kind": lambda m: m.ask(None),
+    "a number": lambda m: m.query(7),
+    "an empty record": lambda m: m.ask({}),
+    "a record with an unknown form": lambda m: m.ask({**m.query("cup?").to_json(), "form": "Q9"}),
+    "a record with a wrong time": lambda m: m.plan(
+        {**m.query("cup?").to_json(), "time": {"start": "soon", "end": None}}
+    ),
+    "a limit of nothing": lambda m: m.ask("cup?", limit=0),
+    "a limit below": lambda m: m.ask("cup?", limit=-3),
+    "a limit of the wrong kind": lambda m: m.ask("cup?", limit="many"),
+    "a precision": lambda m: m.ask("cup?", precision="foo"),
+    "a now": lambda m: m.ask("cup?", now="nonsense"),
+    "a now of the wrong kind": lambda m: m.explain("cup?", now=5),
+    "a now beyond time": lambda m: m.ask("cup?", now="0001-01-01T00:00+10:00"),
+    "categories": lambda m: m.objects(categories=5),
+    "names": lambda m: m.objects(names=[1]),
+    "an image": lambda m: m.keyframe(None),
+    "a question to query": lambda m: m.query("why"),
+    "a question to plan": lambda m: m.plan("blorp the fnord"),
+    "a question to explain": lambda m: m.explain("why"),
+}
+
+
+@pytest.mark.parametrize("what", BAD)
+def test_bad_input_is_refused_by_an_error_of_d3a(home: str, what: str) -> None:
+    with d3a.open(home) as memory, pytest.raises(d3a.D3AError, match=r"\w+ \w+"):
+        BAD[what](memory)
+
+
+def test_a_question_without_a_query_tells_the_grammar_s_reason(home: str) -> None:
+    with d3a.open(home) as memory, pytest.raises(d3a.BadQuestion) as refused:
+        memory.query("Why did I leave my keys?")
+    assert isinstance(refused.value.error, OutOfScope)
+    assert str(refused.value) == str(refused.value.error)
+
+
+def test_a_record_is_asked_as_the_query_it_is_of(home: str) -> None:
+    with d3a.open(home) as memory:
+        query = memory.query("Where was the red cup this morning?")
+        record = query.to_json()
+        assert memory.query(record) == FormalQuery.from_json(record)
+        assert memory.ask(record).keyframes == memory.ask(query).keyframes
+        assert memory.plan(record) == memory.plan(query)
+        assert memory.explain(record).query.formal == query.formal
+
+
+def test_one_category_or_name_is_taken_as_one(home: str) -> None:
+    with d3a.open(home) as memory:
+        assert memory.objects(categories="cup") == memory.objects(categories=["cup"]) != []
+        assert memory.objects(names="cup") == memory.objects(names=["cup"])
 
 
 def test_a_closed_or_missing_store_is_told(home: str, tmp_path: Path) -> None:
