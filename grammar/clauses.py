@@ -59,7 +59,7 @@ class ClauseTagger(Cursor):
             none = self._text(k + 1) == "no"
             if self._part_of(k + 1 + none, without=none):
                 return True
-            return not none and self._holds(k + 1)
+            return self._holds(k + 1 + none, none=none)
         if [self._text(k + n) for n in (1, 2)] == ["not", "have"]:
             return self._part_of(k + 3, without=True)
         if self._text(k) in ("belongs", "belong", "belonged") and self._text(k + 1) == "to":
@@ -88,11 +88,11 @@ class ClauseTagger(Cursor):
             self.i += 1  # the banjo that i usually keep around
         return True
 
-    def _holds(self, k: int) -> bool:
-        """Read the box that has my tools as the box with them."""
+    def _holds(self, k: int, *, none: bool) -> bool:
+        """Read the box that has my tools as the box with them, one that has none as without."""
         if not self._noun_phrase_at(k):
             return False
-        self._emit("REL", "together", k - self.i)
+        self._emit("THAT_NOT_REL" if none else "REL", "together", k - self.i)
         return True
 
     def _happened(self, k: int) -> bool:

@@ -35,7 +35,9 @@ class RelationTagger(VerbTagger):
         negated = self._last() == "THAT_NOT"
         if negated:
             self.out.tags.pop()
-        self._emit("THAT_NOT_REL" if negated else "REL", kind, size)
+        # a cup with no bowl lacks the bowl; what is asked is not denied
+        none = self._text(following) == "no" and self._noun_phrase_at(following + 1)
+        self._emit("THAT_NOT_REL" if negated != none else "REL", kind, size + none)
         return True
 
     def _through_part(self, kind: str, said: str, size: int) -> tuple[str, str, int]:

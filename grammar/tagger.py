@@ -70,7 +70,9 @@ class Tagger(OpenTagger):
         if text in ("or", "nor") or (joins and self._next_place()):
             return self._or()
         if joins:
-            two = self._text(self.i + 1) == "not" and self._asks_two(self.i + 2)
+            following = self._text(self.i + 1)
+            two = following == "not" and self._asks_two(self.i + 2)
+            two = two or (following == "no" and self._noun_phrase_at(self.i + 2))
             self._emit("UNKNOWN" if two else "AND", text, 1)
         return joins
 
