@@ -67,7 +67,8 @@ def refusal_words(answer: Answer, query: FormalQuery, now: datetime) -> str:
         told = f"I saw {things} in {spread}{time}. I cannot be sure that they are the same."
     elif change:
         verb = "moved" if query.ask == "moved" else "is missing"
-        told = f"As far as I saw, nothing {verb}{condition}{time}."
+        seen = " that I saw" if query.ask == "missing" and query.relation is not None else ""
+        told = f"As far as I saw, nothing {verb}{seen}{condition}{time}."
     elif answer.reason in ("not_then", "not_there"):
         place = condition if answer.reason == "not_there" else ""
         told = f"{opening}I did not see {none}{place}{time}."

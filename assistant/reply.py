@@ -322,7 +322,9 @@ def _moved(answer: Answer, query: FormalQuery, now: datetime) -> str:
         told.append(f"the {kind_of(keyframe)}, {where} {when(keyframe.end, now)}")
     number = len(sure) or answer.count
     things, condition = sentence_case(counted(number, "thing")), condition_words(answer, query)
-    if query.place is not None and is_room(query.place) and condition:
+    if query.relation is not None and condition:  # the row may be where it went
+        condition = f" to or from a spot{condition}"
+    elif query.place is not None and is_room(query.place) and condition:
         condition = f" into, within or out of {the_place(query.place)}"
     said = f"{things} may have moved{condition}"
     if sure:
@@ -343,7 +345,8 @@ def _missing(answer: Answer, query: FormalQuery, now: datetime) -> str:
         told.append(f"the {kind_of(keyframe)}, last seen{there} {when(keyframe.end, now)}")
     verb = "is" if answer.count == 1 else "are"
     number = sentence_case(counted(answer.count, "thing"))
-    return f"{number} {verb} no longer in place{_among(told, answer)}."
+    where = condition_words(answer, query) if query.relation is not None else ""
+    return f"{number} {verb} no longer{where or ' in place'}{_among(told, answer)}."
 
 
 def _each_once(answer: Answer) -> list[RankedKeyframe]:

@@ -41,8 +41,8 @@ def moved(found: Found, when: Slice, everywhere: Sequence[Sighting] | None = Non
     The association links an object's stays and says how sure it is (`moved_from`); a change
     without such a link has the chance of a coin. What was last seen before the slice may have
     moved before it: as likely as the time unseen lies outside.
-    everywhere: the sightings before those outside of an asked room were dropped; then what came
-    into the room or left it, or moved within.
+    everywhere: the sightings before those outside of an asked room, or without an asked relation,
+    were dropped; then what came into the room or left it, or moved within.
     """
     out: list[Moment] = []
     inside = {s.stay for s in found.sightings}
@@ -54,7 +54,8 @@ def moved(found: Found, when: Slice, everywhere: Sequence[Sighting] | None = Non
                 sure = linked[1] if linked is not None and linked[0] == before.place else 0.5
                 sure *= _share_within(when, before.end_ms, after.start_ms)
                 place = max(found.place.get(s.stay, 1.0) for s in (before, after))
-                entry = entry_of(found, after)._replace(place=place)
+                held = max(found.held.get(s.stay, 1.0) for s in (before, after))
+                entry = entry_of(found, after)._replace(place=place, held=held)
                 relation = max(0.0, min(1.0, sure))
                 out.append(Moment((entry,), after.start_ms, after.end_ms, relation=relation))
     return out

@@ -124,8 +124,8 @@ def _take(run: Run, step: Step) -> None:
         case KeepPresent():
             keep_present(run, step)
         case KeepMoved():
-            everywhere = run.before_place.get(step.var)
-            run.moments = moved(run.found[step.var], _slice(step.start, step.end), everywhere)
+            sifted = run.before_place.get(step.var) or run.before_relation.get(step.var)
+            run.moments = moved(run.found[step.var], _slice(step.start, step.end), sifted)
         case KeepMissing():
             run.moments = missing(run.found[step.var], _slice(step.start, step.end))
         case KeepUsual():
@@ -310,7 +310,7 @@ def _relate(run: Run, step: Relate) -> None:
         return
     run.before_relation[step.vars[0]] = list(figure.sightings)
     if step.keep == "figure":
-        held = holders(found[0])
+        held = holders(found)
         wanted = {
             stay: 1 - held.get(stay, 0.0) if step.negated else held.get(stay, 0.0)
             for stay in figure.stays

@@ -5,7 +5,7 @@ A link whose relation is more likely than not makes a moment of its two sighting
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -112,10 +112,20 @@ def without_relation(
     return out
 
 
-def holders(related: Related) -> dict[StayKey, float]:
-    """Return, for each stay of the figure, how likely the relation ever held for it."""
-    best: dict[StayKey, float] = {}
-    for link, p in zip(related.links, related.probability, strict=True):
-        if p >= HOLDS:
-            best[link.figure] = max(best.get(link.figure, 0.0), float(p))
-    return best
+def holders(found: Sequence[Related]) -> dict[StayKey, float]:
+    """Return, for each stay of the figure, how likely the relation ever held for it.
+
+    found: one for each ground; it must have held for all of them.
+    """
+    each: list[dict[StayKey, float]] = []
+    for related in found:
+        best: dict[StayKey, float] = {}
+        for link, p in zip(related.links, related.probability, strict=True):
+            if p >= HOLDS:
+                best[link.figure] = max(best.get(link.figure, 0.0), float(p))
+        each.append(best)
+    return {stay: min(best[stay] for best in each) for stay in each[0] if _in_all(stay, each)}
+
+
+def _in_all(stay: StayKey, each: Sequence[Mapping[StayKey, float]]) -> bool:
+    return all(stay in best for best in each)

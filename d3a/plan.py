@@ -207,6 +207,8 @@ def _sighting_steps(
 
 def _relate(query: FormalQuery, names: tuple[str, ...], negated: bool) -> Relate:
     assert query.relation is not None
+    if query.ask in ("moved", "missing"):  # the slice is about the change of what stood so
+        return Relate(query.relation.kind, names, negated, "figure")
     time = TimeSlice() if edge_of(query) is not None else looked_at(query.time)
     return Relate(query.relation.kind, names, negated, "moments", time.start, time.end)
 

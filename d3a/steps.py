@@ -112,7 +112,7 @@ class Relate:
     """Join the sightings of `vars` (figure first) where the relation holds between them.
 
     keep: "moments" makes a moment of all arguments; "figure" keeps the figure's sightings alone,
-    as the description of an object does (the table next to the door).
+    as the description of an object does (the table next to the door), and what moved on the desk.
     Negated: the figure's sightings that no argument stands in the relation to.
     """
 

@@ -105,6 +105,21 @@ def test_what_moved_is_told_as_the_least_and_by_the_times_of_its_rows(two_rooms:
     )
 
 
+def test_what_moved_next_to_a_thing_is_told_by_it(two_rooms: Home) -> None:
+    two_rooms.thing("vase", "vase")
+    two_rooms.seen("vase", 0, 130, at=(1, 2.2, 1))
+    for name, y in (("key", 2.0), ("book", -0.5)):
+        two_rooms.thing(name, name)
+        two_rooms.seen(name, 0, at=(1, y, 1))
+        two_rooms.seen(name, 100, 130, at=(6, y, 1), place=1, moved_from=(0, 0.95))
+    said = told(two_rooms, "What moved next to the vase?")
+    assert said.startswith("At least one thing had moved to or from a spot next to the vase when")
+    assert ": the key, in the living room today" in said
+    assert told(two_rooms, "What is missing next to the vase?").startswith(
+        "As far as I saw, nothing is missing that I saw next to the vase."
+    )
+
+
 def test_no_fewer_views_are_told_than_occasions(two_rooms: Home) -> None:
     said = told(two_rooms, "Did you see a cup?")
     assert said.endswith(

@@ -381,6 +381,29 @@ def test_what_moved_in_a_room_came_left_or_changed_its_place_there() -> None:
     assert sorted(ids(run(home, query(ask="moved", place="hall")))) == ["came", "left", "never"]
 
 
+def test_what_moved_on_the_table_or_is_missing_from_it_was_on_it() -> None:
+    home = Home()
+    home.thing("table", "table")
+    home.seen("table", 0, 30, at=None, box=TABLE)
+    for name, box in (("cup", ON_TABLE), ("bowl", FLOOR)):
+        home.thing(name, name)
+        home.seen(name, 0, 5, at=None, box=box)
+        home.met(name, "table", 0, 5, boxes=(box, TABLE))
+        home.seen(name, 60, at=None, place=1, moved_from=(0, 0.9))
+    for name, box in (("vase", ON_TABLE), ("book", FLOOR)):
+        home.thing(name, name)
+        home.seen(name, 10, 15, at=None, box=box, absent=90)
+        home.met(name, "table", 10, 15, boxes=(box, TABLE))
+    late = TimeSlice(at(50), at(100))
+    both = term("object"), term("table")
+    moved = run(home, query(*both, ask="moved", kind="on", time=late))
+    assert [(k.object_id, k.start) for k in moved.keyframes] == [("cup", at(60))]
+    missing = run(home, query(*both, ask="missing", kind="on", time=late))
+    assert ids(missing) == ["vase"]
+    unknown = run(home, query(term("object"), term("desk"), ask="missing", kind="on"))
+    assert (sorted(ids(unknown)), unknown.unjudged) == (["book", "vase"], ("on the desk",))
+
+
 def test_what_was_last_seen_before_the_slice_may_have_moved_before_it() -> None:
     home = Home()
     home.thing("cup", "cup")
