@@ -48,14 +48,13 @@ from assistant.phrases import (
     where_words,
 )
 from assistant.refusals import looking_into, refusal_words
+from assistant.usually import usual_words
 from assistant.wording import FAIRLY_SURE, NOT_SURE
 from d3a.answer import Answer, RankedKeyframe
 from d3a.colours import is_colour
 from d3a.points import MINUTE, edge_of
 from grammar.forms import Ask, FormalQuery, ObjectTerm, TimeSlice
 
-_LEAST_WHOLE = 0.99
-"""Shares of a thing's places that add up to less leave time for what may be the same thing."""
 _LISTED = 3
 """So many things of a longer list are told one by one; the rest stand in the table."""
 
@@ -132,7 +131,7 @@ def _yes(answer: Answer, query: FormalQuery) -> str:
 def _where(answer: Answer, query: FormalQuery, now: datetime) -> str:
     term, best = term_of(query), answer.keyframes[0]
     if query.select == "usual":
-        return _usual(answer, query)
+        return usual_words(answer, query)
     at = edge_of(query)
     if at is not None:
         return _where_then(answer, query, at, now)
@@ -227,20 +226,6 @@ def _is_of(keyframe: RankedKeyframe, term: ObjectTerm) -> bool:
     judged = keyframe.why.get("attributes", {})
     same = kind_of(keyframe) == term.category
     return same and all(word in judged for word in term.attributes if is_colour(word))
-
-
-def _usual(answer: Answer, query: FormalQuery) -> str:
-    term = term_of(query)
-    spots = []
-    best = answer.keyframes[0].object_id
-    for keyframe in [k for k in heads_of(answer) if k.object_id == best][:3]:
-        share = round(100 * keyframe.why.get("share", 1.0))
-        spots.append(f"{where_words(keyframe, query) or 'at a place that has no name'} ({share} %)")
-    thing = definite(term, found_words(answer, query))
-    if sum(k.why.get("share", 1.0) for k in heads_of(answer) if k.object_id == best) < _LEAST_WHOLE:
-        others = "Of the rest I cannot be sure: what I saw elsewhere may be the same."
-        return f"I saw {thing} {listed(spots)}. {others}"
-    return f"Most of the time I saw {thing} {listed(spots)}."
 
 
 def _when(answer: Answer, query: FormalQuery, now: datetime) -> str:

@@ -277,6 +277,17 @@ def test_a_look_alike_known_before_doubts_only_if_never_seen_beside(
     assert said.startswith("I cannot be sure.") is doubted
 
 
+def test_where_several_things_usually_are_is_told_of_each(two_rooms: Home) -> None:
+    for name, x in (("left", 1.0), ("right", 1.5), ("far", 6.0)):
+        two_rooms.thing(name, "chair")
+        two_rooms.seen(name, 0, 30, at=(x, 2, 1))
+        two_rooms.seen(name, 60, 90, at=(x, 2, 1))
+    assert told(two_rooms, "Where are the chairs usually?") == (
+        "Most of the time I saw two of the chairs in the kitchen; one in the living room."
+    )
+    assert "%" in told(two_rooms, "Where is the chair usually?")
+
+
 def test_where_a_thing_usually_is_leaves_room_for_what_may_be_it(carried: Home) -> None:
     said = told(carried, "Where do my keys usually lie?")
     assert said.startswith("I saw your keys in the ")

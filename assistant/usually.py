@@ -1,0 +1,65 @@
+"""The sentence of where things usually are: the places of one, or the spot of each of several."""
+
+from __future__ import annotations
+
+from collections import Counter
+
+from assistant.english import is_many, listed, number_word
+from assistant.phrases import definite, found_words, heads_of, said_many, term_of, where_words
+from assistant.wording import NOT_SURE
+from d3a.answer import Answer, RankedKeyframe
+from grammar.forms import FormalQuery
+
+_LEAST_WHOLE = 0.99
+"""Shares of a thing's places that add up to less leave time for what may be the same thing."""
+_SPOTS = 3
+"""So many places are told; the rest stand in the table."""
+
+
+def usual_words(answer: Answer, query: FormalQuery) -> str:
+    """Return where a thing is most of the time; of several that were asked for, where each is.
+
+    What has no singular, as keys, is one thing.
+    """
+    term = term_of(query)
+    thing = definite(term, found_words(answer, query))
+    if said_many(query, term) and not is_many(term.word) and answer.least > 1:
+        return _of_each(answer, query, thing)
+    best = answer.keyframes[0].object_id
+    own = [k for k in heads_of(answer) if k.object_id == best]
+    spots = [f"{_spot(k, query)} ({round(100 * _share(k))} %)" for k in own[:_SPOTS]]
+    if sum(_share(k) for k in own) < _LEAST_WHOLE:
+        others = "Of the rest I cannot be sure: what I saw elsewhere may be the same."
+        return f"I saw {thing} {listed(spots)}. {others}"
+    return f"Most of the time I saw {thing} {listed(spots)}."
+
+
+def _of_each(answer: Answer, query: FormalQuery, thing: str) -> str:
+    """Return how many of several things were most of the time at each spot.
+
+    What is hardly one of them at all is left to the table.
+    """
+    best: dict[str, RankedKeyframe] = {}
+    for keyframe in heads_of(answer):
+        kept = best.setdefault(keyframe.object_id, keyframe)
+        if _share(keyframe) > _share(kept):
+            best[keyframe.object_id] = keyframe
+    likely = [k for k in best.values() if k.score >= NOT_SURE * _share(k)] or [*best.values()]
+    spots = Counter(_spot(keyframe, query) for keyframe in likely).most_common()
+    counts = [(number_word(number), spot) for spot, number in spots[:_SPOTS]]
+    rest = sum(number for _, number in spots[_SPOTS:])
+    counts += [(number_word(rest), "elsewhere")] * bool(rest)
+    (first, spot), *others = counts
+    told = "; ".join([f"{first} of {thing} {spot}", *(" ".join(other) for other in others)])
+    said = f"Most of the time I saw {told}."
+    if answer.least < len(likely):  # a moved one may have got a new id
+        said += f" At least {number_word(answer.least)} of them are different things."
+    return said
+
+
+def _share(keyframe: RankedKeyframe) -> float:
+    return float(keyframe.why.get("share", 1.0))
+
+
+def _spot(keyframe: RankedKeyframe, query: FormalQuery) -> str:
+    return where_words(keyframe, query) or "at a place that has no name"
