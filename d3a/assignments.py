@@ -1,7 +1,8 @@
 """What became of each detection, as a file: so that identity can be judged from outside.
 
 While an ingest runs, events go to `FILE.part`, with a mark at each checkpoint; an ingest that goes
-on cuts that file at its checkpoint. At the end entries are followed to their stays.
+on cuts that file at its checkpoint. At the end entries are followed to their stays. The part goes
+when the file is whole and in its place, so that one of them always tells all that the store has.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from typing import IO
 from d3a.model import BadInput, Json
 from d3a.preparation import LeftOut
 from d3a.sightings import Event
+from d3a.store.base import RecordingRecord
 
 UNDECIDED = "not decided: the ingest was stopped before the recording's end"
 
@@ -27,17 +29,17 @@ class AssignmentLog:
         self._part = part
 
     @classmethod
-    def open(cls, path: Path | None, consumed: int, is_known: bool) -> AssignmentLog:
+    def open(cls, path: Path | None, consumed: int, had: RecordingRecord) -> AssignmentLog:
         """Begin a file, or go on with that of an ingest that was interrupted.
 
-        consumed: frames at the checkpoint to go on from. Raises BadInput where the store has
-        (part of) the recording, and no file tells what became of its detections.
+        consumed: frames at the checkpoint to go on from. had: what the store has of the recording.
+        Raises BadInput where that is anything, and no file tells what became of its detections.
         """
         if path is None:
             return cls(None, None)
         part = _part_of(path)
-        if is_known:
-            _cut(part, consumed)
+        if had.frames > 0:
+            _cut(part, _end(had.frames) if had.done else _mark(consumed))
         elif part.exists():
             part.unlink()
         return cls(path, part.open("a", encoding="utf-8"))
@@ -56,22 +58,33 @@ class AssignmentLog:
 
     def mark(self, consumed: int) -> None:
         """Note a checkpoint, safely on disk before the store has it."""
-        self._write({"consumed": consumed})
-        if self._part is not None:
-            self._part.flush()
-            os.fsync(self._part.fileno())
+        self._write(_mark(consumed))
+        self._sync()
 
-    def close(self, *, done: bool) -> None:
+    def end(self, frames: int) -> None:
+        """Note the checkpoint that ends a recording of so many frames; it has no consumed ones."""
+        self._write(_end(frames))
+        self._sync()
+
+    def finish(self, *, done: bool) -> None:
         """Write the file of assignments; the part stays while the recording is not done."""
         if self._part is None or self._path is None:
             return
-        self._part.close()
+        self._part.flush()
         part = _part_of(self._path)
-        with self._path.open("w", encoding="utf-8") as out:
-            for line in _resolved(_records(part)):
-                out.write(json.dumps(line, ensure_ascii=False) + "\n")
+        _put(self._path, _resolved(_records(part)))
         if done:
             part.unlink()
+
+    def close(self) -> None:
+        """Write no more."""
+        if self._part is not None:
+            self._part.close()
+
+    def _sync(self) -> None:
+        if self._part is not None:
+            self._part.flush()
+            os.fsync(self._part.fileno())
 
     def _write(self, record: Json) -> None:
         if self._part is not None:
@@ -87,16 +100,41 @@ def _records(part: Path) -> list[Json]:
         return [json.loads(line) for line in lines]
 
 
-def _cut(part: Path, consumed: int) -> None:
-    """Cut the file after the mark of the checkpoint; what follows will happen again."""
-    kept: list[str] = []
+def _put(path: Path, lines: Iterable[Json]) -> None:
+    """Write a file beside its place and move it there: at no time is half of it to be seen."""
+    beside = path.with_name(path.name + ".new")
+    with beside.open("w", encoding="utf-8") as out:
+        for line in lines:
+            out.write(json.dumps(line, ensure_ascii=False) + "\n")
+        out.flush()
+        os.fsync(out.fileno())
+    beside.replace(path)
+
+
+def _mark(consumed: int) -> Json:
+    return {"consumed": consumed}
+
+
+def _end(frames: int) -> Json:
+    return {"done": frames}
+
+
+def _cut(part: Path, mark: Json) -> None:
+    """Cut the file after the mark of the checkpoint; what follows will happen again.
+
+    Of two equal marks the later counts: no frame was taken in between.
+    """
+    wanted = json.dumps(mark).encode() + b"\n"
+    end = at = 0
     if part.exists():
-        with part.open(encoding="utf-8") as lines:
+        with part.open("r+b") as lines:
             for line in lines:
-                kept.append(line)
-                if line == json.dumps({"consumed": consumed}) + "\n":
-                    part.write_text("".join(kept), encoding="utf-8")
-                    return
+                at += len(line)
+                if line == wanted:
+                    end = at
+            if end > 0:
+                lines.truncate(end)
+                return
     raise BadInput(
         f"the store has this recording already, and {part.name} does not tell what became of its "
         "detections: assignments are written while a recording is ingested, into a new store"

@@ -158,19 +158,20 @@ class _Run:
         self._fence = lease.fence
         frames, associator = self._begin()
         had = associator.record
-        log = AssignmentLog.open(assignments, associator.consumed, had.frames > 0)
-        with closing(self._readied(self._sifted(frames, associator))) as readied:
-            stopped = self._take_all(readied, associator, log, on_progress, max_frames)
-        self._left_out = None
-        if self._frames < UNPLACED_FRAMES:
-            self._note_unplaced()
-        if not stopped and (self._frames > 0 or not had.done):
-            if associator.has_news():
-                self._checkpoint(associator, log)
-            with self._stopwatch.stage("tiers"):
-                associator.finish()
-            self._checkpoint(associator, log, done=True)
-        log.close(done=not stopped)
+        log = AssignmentLog.open(assignments, associator.consumed, had)
+        with closing(log):
+            with closing(self._readied(self._sifted(frames, associator))) as readied:
+                stopped = self._take_all(readied, associator, log, on_progress, max_frames)
+            self._left_out = None
+            if self._frames < UNPLACED_FRAMES:
+                self._note_unplaced()
+            if not stopped and (self._frames > 0 or not had.done):
+                if associator.has_news():
+                    self._checkpoint(associator, log)
+                with self._stopwatch.stage("tiers"):
+                    associator.finish()
+                self._checkpoint(associator, log, done=True)
+            log.finish(done=not stopped)
         if not stopped:
             self._search_for_taught(associator)
             with self._stopwatch.stage("store"):
@@ -333,7 +334,10 @@ class _Run:
         self, associator: Associator, log: AssignmentLog, *, done: bool = False
     ) -> None:
         log.events(associator.take_events())
-        log.mark(associator.consumed)
+        if done:
+            log.end(associator.record.frames)
+        else:
+            log.mark(associator.consumed)
         with self._stopwatch.stage("store"):
             associator.checkpoint(self._left_out or self._reader.skipped, done=done)
 

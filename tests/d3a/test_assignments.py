@@ -1,0 +1,142 @@
+"""The file of assignments: whatever dies when, it ends up whole."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from d3a import assignments
+from d3a.assignments import AssignmentLog
+from d3a.ingest import ingest
+from d3a.model import Frame
+from d3a.parameters import PROFILES, Parameters
+from d3a.store.base import Batch
+from tests.worlds.oracle import OracleStore
+from tests.worlds.rounds import ListReader, Thing, circle, rounds
+
+FRAMES = 30
+
+
+class Killed(Exception):  # noqa: N818
+    """Stands for SIGKILL."""
+
+
+class DyingStore(OracleStore):
+    """Dies once, at a batch, before or after it was committed."""
+
+    def __init__(self, after: int, committed: bool) -> None:
+        super().__init__()
+        self._left, self._committed = after, committed
+
+    def apply(self, batch: Batch) -> None:
+        self._left -= 1
+        if self._left == -1 and not self._committed:
+            raise Killed
+        super().apply(batch)
+        if self._left == -1:
+            raise Killed
+
+
+def world() -> list[Frame]:
+    """Three things whose detections are numbered, as a recording's are."""
+    places = circle(1.5, 8)
+    things = [Thing(c, places[2 * n], n, 4 * n) for n, c in enumerate(["cup", "bowl", "cup"])]
+    frames, row = [], 0
+    for frame in rounds(things, FRAMES, 5, noise_m=0.1, missed=0.3):
+        numbered = []
+        for each in frame.detections or ():
+            numbered.append(replace(each, row=row))
+            row += 1
+        frames.append(replace(frame, detections=tuple(numbered)))
+    return frames
+
+
+def small(profile: str) -> Parameters:
+    return PROFILES[profile].with_changes(stm_capacity=2, checkpoint_frames=7)
+
+
+def rows_of(path: Path) -> list[dict[str, object]]:
+    return [json.loads(line) for line in path.read_text(encoding="utf-8").splitlines()]
+
+
+def files_in(folder: Path) -> list[str]:
+    return sorted(path.name for path in folder.iterdir())
+
+
+def whole(folder: Path, profile: str, frames: list[Frame]) -> list[dict[str, object]]:
+    path = folder / "whole.jsonl"
+    ingest(ListReader(frames), OracleStore(), small(profile), assignments=path)
+    rows = rows_of(path)
+    path.unlink()
+    assert [row["row"] for row in rows] == list(range(len(rows)))
+    return rows
+
+
+@pytest.mark.parametrize("profile", ["default", "paper"])
+@pytest.mark.parametrize("committed", [False, True])
+def test_it_is_whole_whatever_checkpoint_an_ingest_died_at(
+    tmp_path: Path, profile: str, committed: bool
+) -> None:
+    frames, path = world(), tmp_path / "out.jsonl"
+    wanted = whole(tmp_path, profile, frames)
+    deaths = 0
+    for after in range(20):
+        store = DyingStore(after, committed)
+        try:
+            ingest(ListReader(frames), store, small(profile), assignments=path)
+        except Killed:
+            deaths += 1
+            ingest(ListReader(frames), store, small(profile), assignments=path)
+        assert rows_of(path) == wanted
+        assert files_in(tmp_path) == ["out.jsonl"]
+        path.unlink()
+    assert deaths == FRAMES // 7 + 1  # the last of them ends the recording
+
+
+@pytest.mark.parametrize("profile", ["default", "paper"])
+@pytest.mark.parametrize("dies_at", ["before", "half", "moving", "after"])
+def test_it_is_whole_where_an_ingest_died_between_the_last_checkpoint_and_the_file(
+    tmp_path: Path, profile: str, dies_at: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    frames, path, store = world(), tmp_path / "out.jsonl", OracleStore()
+    wanted = whole(tmp_path, profile, frames)
+    places: dict[str, tuple[object, str]] = {
+        "before": (AssignmentLog, "finish"),
+        "half": (assignments, "_resolved"),
+        "moving": (Path, "replace"),
+        "after": (Path, "unlink"),
+    }
+
+    def die(*_: object, **__: object) -> None:
+        raise Killed
+
+    with monkeypatch.context() as patch:
+        patch.setattr(*places[dies_at], die)
+        with pytest.raises(Killed):
+            ingest(ListReader(frames), store, small(profile), assignments=path)
+    assert store.recordings()[0].done
+    assert path.exists() == (dies_at == "after")
+    ingest(ListReader(frames), store, small(profile), assignments=path)
+    assert rows_of(path) == wanted
+    assert files_in(tmp_path) == ["out.jsonl"]
+
+
+def test_a_recording_that_grew_after_such_a_death_is_told_whole(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    frames, path, store = world(), tmp_path / "out.jsonl", OracleStore()
+
+    def die(*_: object) -> None:
+        raise Killed
+
+    with monkeypatch.context() as patch:
+        patch.setattr(Path, "replace", die)
+        with pytest.raises(Killed):
+            ingest(ListReader(frames[:20]), store, small("paper"), assignments=path)
+    ingest(ListReader(frames), store, small("paper"), assignments=path)
+    rows = sum(len(frame.detections or ()) for frame in frames)
+    assert [row["row"] for row in rows_of(path)] == list(range(rows))
+    assert files_in(tmp_path) == ["out.jsonl"]
