@@ -7,6 +7,7 @@ when the file is whole and in its place, so that one of them always tells all th
 
 from __future__ import annotations
 
+import filecmp
 import json
 import os
 from collections.abc import Iterable
@@ -15,7 +16,7 @@ from typing import IO
 
 from d3a.model import BadInput, Json
 from d3a.preparation import LeftOut
-from d3a.sightings import Event
+from d3a.sightings import Event, entry_name
 from d3a.store.base import RecordingRecord
 
 UNDECIDED = "not decided: the ingest was stopped before the recording's end"
@@ -39,7 +40,10 @@ class AssignmentLog:
             return cls(None, None)
         part = _part_of(path)
         if had.frames > 0:
-            _cut(part, _end(had.frames) if had.done else _mark(consumed))
+            if had.done and path.exists() and not part.exists():
+                _put(part, _told_by(path, had))
+            if not _cut(part, _end(had.frames) if had.done else _mark(consumed)):
+                raise _refusal(path)
         elif part.exists():
             part.unlink()
         return cls(path, part.open("a", encoding="utf-8"))
@@ -101,14 +105,20 @@ def _records(part: Path) -> list[Json]:
 
 
 def _put(path: Path, lines: Iterable[Json]) -> None:
-    """Write a file beside its place and move it there: at no time is half of it to be seen."""
+    """Write a file beside its place and move it there: at no time is half of it to be seen.
+
+    A file that says the same already is left alone.
+    """
     beside = path.with_name(path.name + ".new")
     with beside.open("w", encoding="utf-8") as out:
         for line in lines:
             out.write(json.dumps(line, ensure_ascii=False) + "\n")
         out.flush()
         os.fsync(out.fileno())
-    beside.replace(path)
+    if path.exists() and filecmp.cmp(beside, path, shallow=False):
+        beside.unlink()
+    else:
+        beside.replace(path)
 
 
 def _mark(consumed: int) -> Json:
@@ -119,26 +129,56 @@ def _end(frames: int) -> Json:
     return {"done": frames}
 
 
-def _cut(part: Path, mark: Json) -> None:
-    """Cut the file after the mark of the checkpoint; what follows will happen again.
+def _told_by(path: Path, had: RecordingRecord) -> list[Json]:
+    """Return what a whole file tells as the part that it came of; BadInput where it is not whole.
 
-    Of two equal marks the later counts: no frame was taken in between.
+    A recording that has grown is gone on with from there.
     """
+    records: list[Json] = []
+    with path.open(encoding="utf-8") as lines:
+        for line in lines:
+            try:
+                told = json.loads(line)
+                record = {name: told[name] for name in ("row", "frame", "box")}
+                object_id, place, why = told["object_id"], told["place"], told["why"]
+            except (ValueError, TypeError, KeyError) as error:
+                raise _refusal(path) from error
+            if why == UNDECIDED:
+                raise _refusal(path)
+            became = (
+                {"why": why} if object_id is None else {"entry": entry_name((object_id, place))}
+            )
+            records.append(record | became)
+    if len(records) < had.detections:
+        raise _refusal(path)
+    return [*records, _end(had.frames)]
+
+
+def _refusal(path: Path) -> BadInput:
+    return BadInput(
+        f"the store has this recording already, and neither {path.name} nor {_part_of(path).name} "
+        "tells what became of all of its detections: assignments are written while a recording is "
+        "ingested, into a new store"
+    )
+
+
+def _cut(part: Path, mark: Json) -> bool:
+    """Cut the file after the mark of the checkpoint, as what follows will happen again.
+
+    Says whether it is there; of two equal marks the later counts: no frame came in between.
+    """
+    if not part.exists():
+        return False
     wanted = json.dumps(mark).encode() + b"\n"
     end = at = 0
-    if part.exists():
-        with part.open("r+b") as lines:
-            for line in lines:
-                at += len(line)
-                if line == wanted:
-                    end = at
-            if end > 0:
-                lines.truncate(end)
-                return
-    raise BadInput(
-        f"the store has this recording already, and {part.name} does not tell what became of its "
-        "detections: assignments are written while a recording is ingested, into a new store"
-    )
+    with part.open("r+b") as lines:
+        for line in lines:
+            at += len(line)
+            if line == wanted:
+                end = at
+        if end > 0:
+            lines.truncate(end)
+    return end > 0
 
 
 def _resolved(records: list[Json]) -> Iterable[Json]:

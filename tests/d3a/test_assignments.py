@@ -11,7 +11,7 @@ import pytest
 from d3a import assignments
 from d3a.assignments import AssignmentLog
 from d3a.ingest import ingest
-from d3a.model import Frame
+from d3a.model import BadInput, Frame
 from d3a.parameters import PROFILES, Parameters
 from d3a.store.base import Batch
 from tests.worlds.oracle import OracleStore
@@ -140,3 +140,61 @@ def test_a_recording_that_grew_after_such_a_death_is_told_whole(
     rows = sum(len(frame.detections or ()) for frame in frames)
     assert [row["row"] for row in rows_of(path)] == list(range(rows))
     assert files_in(tmp_path) == ["out.jsonl"]
+
+
+@pytest.mark.parametrize("profile", ["default", "paper"])
+def test_a_rerun_leaves_a_whole_file_alone(tmp_path: Path, profile: str) -> None:
+    frames, path, store = world(), tmp_path / "out.jsonl", OracleStore()
+    ingest(ListReader(frames), store, small(profile), assignments=path)
+    before, wanted = path.stat(), path.read_bytes()
+    assert ingest(ListReader(frames), store, small(profile), assignments=path).already
+    after = path.stat()
+    assert (after.st_ino, after.st_mtime_ns) == (before.st_ino, before.st_mtime_ns)
+    assert path.read_bytes() == wanted
+    assert files_in(tmp_path) == ["out.jsonl"]
+
+
+@pytest.mark.parametrize("profile", ["default", "paper"])
+def test_detections_without_a_place_are_told_too(tmp_path: Path, profile: str) -> None:
+    frames, path, store = [], tmp_path / "out.jsonl", OracleStore()
+    for frame in world():
+        bare = [replace(d, position=None, covariance=None) for d in frame.detections or ()]
+        frames.append(replace(frame, pose=None, detections=tuple(bare)))
+    ingest(ListReader(frames), store, small(profile), assignments=path)
+    assert len(rows_of(path)) == store.recordings()[0].detections > 0
+    assert ingest(ListReader(frames), store, small(profile), assignments=path).already
+
+
+def test_a_whole_file_is_gone_on_with_where_the_recording_grew(tmp_path: Path) -> None:
+    frames, path, store = world(), tmp_path / "out.jsonl", OracleStore()
+    ingest(ListReader(frames[:20]), store, small("default"), assignments=path)
+    first = rows_of(path)
+    ingest(ListReader(frames), store, small("default"), assignments=path)
+    rows = rows_of(path)
+    assert [row["row"] for row in rows[: len(first)]] == [row["row"] for row in first]
+    assert [row["row"] for row in rows] == list(range(len(rows)))
+    assert len(rows) == sum(len(frame.detections or ()) for frame in frames)
+    stays = {(stay.object_id, stay.place) for stay in store.stays()}
+    assert {(row["object_id"], row["place"]) for row in rows if row["why"] is None} <= stays
+
+
+@pytest.mark.parametrize("cut", ["half a line", "a line less", "undecided", "not ours", "gone"])
+def test_a_file_that_is_not_whole_is_refused_and_left(tmp_path: Path, cut: str) -> None:
+    frames, path, store = world(), tmp_path / "out.jsonl", OracleStore()
+    ingest(ListReader(frames), store, small("default"), assignments=path)
+    text = path.read_text(encoding="utf-8")
+    undecided = json.dumps(rows_of(path)[0] | {"object_id": None, "why": assignments.UNDECIDED})
+    damaged = {
+        "half a line": text[:-20],
+        "a line less": text[text.index("\n") + 1 :],
+        "undecided": undecided + text[text.index("\n") :],
+        "not ours": "a letter\n",
+        "gone": "",
+    }[cut]
+    path.write_text(damaged, encoding="utf-8")
+    if cut == "gone":
+        path.unlink()
+    with pytest.raises(BadInput, match="neither out.jsonl nor out.jsonl.part tells"):
+        ingest(ListReader(frames), store, small("default"), assignments=path)
+    assert files_in(tmp_path) == ([] if cut == "gone" else ["out.jsonl"])
+    assert cut == "gone" or path.read_text(encoding="utf-8") == damaged
