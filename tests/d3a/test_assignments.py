@@ -194,7 +194,7 @@ def test_a_file_that_is_not_whole_is_refused_and_left(tmp_path: Path, cut: str) 
     path.write_text(damaged, encoding="utf-8")
     if cut == "gone":
         path.unlink()
-    with pytest.raises(BadInput, match="neither out.jsonl nor out.jsonl.part tells"):
+    with pytest.raises(BadInput, match=r"neither out\.jsonl nor out\.jsonl\.part tells"):
         ingest(ListReader(frames), store, small("default"), assignments=path)
     assert files_in(tmp_path) == ([] if cut == "gone" else ["out.jsonl"])
     assert cut == "gone" or path.read_text(encoding="utf-8") == damaged
