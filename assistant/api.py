@@ -123,13 +123,16 @@ class Memory:
         query = self.query(question, now=now)
         return plan(as_of_now(query), parameters=Facts(self.store).parameters())
 
-    def explain(self, question: Question, *, now: Now = None) -> asking.Explanation:
+    def explain(
+        self, question: Question, *, now: Now = None, precision: str | None = None
+    ) -> asking.Explanation:
         """Answer a question and tell how: plan, native queries with index and rows, times.
 
         Raises BadQuestion.
         """
+        moment, asked = self.now(now), _asked(question)
         try:
-            return asking.explain(self.store, _asked(question), now=self.now(now))
+            return asking.explain(self.store, asked, now=moment, precision=precision)
         except QuestionError as error:
             raise BadQuestion(error) from error
 

@@ -64,6 +64,7 @@ class Explanation:
             ],
             "status": self.answer.status,
             "count": self.answer.count,
+            "answer": self.answer.answer,
             "elapsed_ms": {name: round(ms, 3) for name, ms in self.elapsed_ms.items()},
         }
 
@@ -78,6 +79,7 @@ class Explanation:
             lines.append(f"      {native.text}")
         spent = ", ".join(f"{name} {ms:.2f}" for name, ms in self.elapsed_ms.items())
         lines.append(f"answer  {self.answer.status}, {self.answer.count} objects")
+        lines.append(f"        {self.answer.answer}")
         lines.append(f"times   {spent} (ms)")
         return "\n".join(lines)
 
@@ -243,15 +245,21 @@ def _of_its_number(answer: Answer, query: FormalQuery) -> str:
     return ""
 
 
-def explain(store: Store, text: str | FormalQuery, *, now: datetime) -> Explanation:
-    """Answer a question and tell how. Raises QuestionError and StoreError."""
+def explain(
+    store: Store, text: str | FormalQuery, *, now: datetime, precision: str | None = None
+) -> Explanation:
+    """Answer a question and tell how; precision: as `ask` has it.
+
+    Raises QuestionError, StoreError, and BadInput for an unknown precision.
+    """
+    rung = _precision(precision)
     native: list[NativeQuery] = []
     started = perf_counter()
     facts = Facts(store)
     query = read_question(store, text, now=now, facts=facts) if isinstance(text, str) else text
     parsed_ms = _ms_since(started)
     query, parameters = on_a_spot(query, facts), facts.parameters()
-    steps = plan(as_of_now(query), parameters=parameters)
+    steps = plan(as_of_now(query), parameters=parameters, precision=rung)
     store.tracing(native.append)
     try:
         answer = execute(
@@ -259,6 +267,7 @@ def explain(store: Store, text: str | FormalQuery, *, now: datetime) -> Explanat
         )
     finally:
         store.tracing(None)
+    answer = _said(answer, query, facts, now)
     elapsed = {"parse": parsed_ms} | answer.elapsed_ms | {"total": _ms_since(started)}
     return Explanation(query, steps, tuple(native), answer, elapsed)
 

@@ -14,10 +14,17 @@ SCHEMA = 1
 @click.command("explain")
 @click.argument("question", nargs=-1, required=True)
 @click.option("--json", "as_json", is_flag=True, help="One JSON object.")
+@click.option(
+    "--precision",
+    type=click.Choice(("perfect", "category", "attribute", "any")),
+    help="How strictly things must match; by default as strictly as finds something.",
+)
 @settings_options
 @click.pass_context
-def command(context: click.Context, question: tuple[str, ...], as_json: bool) -> None:
-    """Print the formal query, the plan and the store's native queries of QUESTION."""
+def command(
+    context: click.Context, question: tuple[str, ...], as_json: bool, precision: str | None
+) -> None:
+    """Print the formal query, plan, native queries and answer of QUESTION."""
     settings = settings_of(context)
     from assistant.asking import explain
     from grammar.errors import QuestionError
@@ -25,7 +32,8 @@ def command(context: click.Context, question: tuple[str, ...], as_json: bool) ->
     with opened(settings) as store:
         now = now_of(settings, store)
         try:
-            explanation = explain(store, well_formed(" ".join(question)), now=now)
+            text = well_formed(" ".join(question))
+            explanation = explain(store, text, now=now, precision=precision)
         except QuestionError as error:
             if as_json:
                 record = {"schema": SCHEMA, **error.to_json()}

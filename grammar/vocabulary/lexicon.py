@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
@@ -143,15 +144,20 @@ def _attribute_files(
 
 
 def _places(own: Iterable[str]) -> dict[str, str]:
-    """Return each place with the name it is printed by: as said, or as the store spells it."""
-    taught = [name.lower() for name in own]
+    """Return each place with the name it is printed by: as said, or as the store spells it.
+
+    A hyphen or underscore of the store is a pause in speech: "the reading corner".
+    """
+    names = [name.lower() for name in own]
+    taught = {re.sub(r"[-_\s]+", " ", name).strip(): name for name in names}
+    taught.update({name: name for name in names})
     found: dict[str, str] = {}
     for line in files.lines("places.txt"):
         place, _, said = line.partition("=")
         alike = (place.strip(), *files.split(said))
-        spelled = next((name for name in alike if name in taught), None)
+        spelled = next((taught[name] for name in alike if name in taught), None)
         found.update({name: spelled or name for name in alike})
-    found.update({name: name for name in taught})
+    found.update(taught)
     return found
 
 

@@ -156,6 +156,16 @@ def test_a_record_is_asked_as_the_query_it_is_of(home: str) -> None:
         assert memory.explain(record).query.formal == query.formal
 
 
+def test_explain_tells_the_answer_of_ask_at_its_precision(home: str) -> None:
+    with d3a.open(home) as memory:
+        for precision in (None, "category", "perfect"):
+            told = memory.explain("Where is the mug?", precision=precision)
+            said = memory.ask("Where is the mug?", precision=precision)
+            assert (told.answer.status, told.answer.answer) == (said.status, said.answer)
+            assert said.answer in told.to_text()
+            assert told.to_json()["answer"] == said.answer
+
+
 def test_one_category_or_name_is_taken_as_one(home: str) -> None:
     with d3a.open(home) as memory:
         assert memory.objects(categories="cup") == memory.objects(categories=["cup"]) != []

@@ -21,6 +21,7 @@ from assistant.asking import (
 )
 from assistant.wording import answer_lines
 from d3a.facts import Facts
+from d3a.model import BadInput
 from d3a.parameters import DEFAULT, PAPER
 from d3a.store.base import Batch, Store, StoreUnreachable
 from grammar.errors import NotUnderstood
@@ -106,7 +107,7 @@ def test_formal_notation_is_read_as_such(store: Store) -> None:
 
 
 def test_unknown_precision_is_the_caller_s_mistake(store: Store) -> None:
-    with pytest.raises(ValueError, match="perfect, category, attribute, any"):
+    with pytest.raises(BadInput, match="perfect, category, attribute, any"):
         ask(store, "Where is my cup?", now=NOW, precision="fuzzy")
 
 

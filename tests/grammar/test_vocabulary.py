@@ -143,6 +143,10 @@ def test_phrases_are_terminals_of_the_grammar() -> None:
         (("Lounge",), "living room", "lounge"),
         (("lounge",), "sitting room", "lounge"),
         (("nook",), "nook", "nook"),
+        (("reading-corner",), "reading corner", "reading-corner"),
+        (("reading-corner",), "reading-corner", "reading-corner"),
+        (("Play_Room",), "play room", "play_room"),
+        (("sun room", "sun-room"), "sun room", "sun room"),
     ],
 )
 def test_a_place_is_spelled_as_said_or_as_the_store_has_it(
