@@ -22,6 +22,14 @@ from d3a.store.base import RecordingRecord
 UNDECIDED = "not decided: the ingest was stopped before the recording's end"
 
 
+def check_place(path: Path) -> None:
+    """Raise BadInput where no file can be made: to be asked before anything is done."""
+    if not path.parent.is_dir():
+        raise BadInput(f"{path} cannot be written: {path.parent} is no folder")
+    if not os.access(path.parent, os.W_OK | os.X_OK):
+        raise BadInput(f"{path} cannot be written: nothing may be made in {path.parent}")
+
+
 class AssignmentLog:
     """Takes events in; with no path all of it does nothing."""
 

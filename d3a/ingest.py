@@ -9,7 +9,7 @@ from itertools import chain, islice
 from pathlib import Path
 from time import perf_counter
 
-from d3a.assignments import AssignmentLog
+from d3a.assignments import AssignmentLog, check_place
 from d3a.associator import Associator, check_filled_alike
 from d3a.batches import Ready, one_by_one
 from d3a.detectors.base import Detector
@@ -100,6 +100,8 @@ def ingest(
     Raises BadInput for a recording without frames or detections, StoreError where the store fails
     or was filled with other parameters, StoreBusy where another ingest fills it.
     """
+    if assignments is not None:
+        check_place(assignments)
     run = _Run(reader, store, parameters, detector, embedder, intake, live, jobs, on_note)
     with leased(store, f"an ingest of {reader.facts.name!r}") as lease:
         return run.go(lease, on_progress, max_frames, assignments)

@@ -89,6 +89,7 @@ def command(
         raise click.BadParameter("--assignments is of one recording; ingest them one by one")
     run = _Run(settings, wishes, as_json=as_json)
     with failures():
+        run.check_places()
         run.open_lookers()
     run.open(sources)
     run.ingest()
@@ -108,6 +109,13 @@ class _Run:
         self._detector: Detector | None = None
         self._embedder: Embedder | None = None
         self.failed: list[dict[str, str]] = []
+
+    def check_places(self) -> None:
+        """Refuse what could not be written, before a store is made."""
+        from d3a.assignments import check_place
+
+        if self._wishes.assignments is not None:
+            check_place(self._wishes.assignments)
 
     def open_lookers(self) -> None:
         """Open the detector and the embedder, and say what they are."""

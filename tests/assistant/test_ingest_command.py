@@ -149,6 +149,22 @@ def test_a_recording_that_cannot_be_read_does_not_stop_the_others(run: Run, tmp_
     assert run("a", "b", "--assignments", "x.jsonl").exit_code == 2
 
 
+def test_assignments_are_written_once_and_refused_where_they_cannot_be(
+    run: Run, tmp_path: Path
+) -> None:
+    as_recording(tmp_path / "r")
+    refused = run("r", "--assignments", "nowhere/x.jsonl")
+    assert refused.exit_code == 2
+    assert "nowhere is no folder" in refused.stderr
+    assert not (tmp_path / "s.db").exists()
+    assert run("r", "--assignments", "x.jsonl").exit_code == 0
+    wanted = (tmp_path / "x.jsonl").read_bytes()
+    again = run("r", "--assignments", "x.jsonl")
+    assert again.exit_code == 0
+    assert "Nothing new" in again.stdout
+    assert (tmp_path / "x.jsonl").read_bytes() == wanted
+
+
 def test_pictures_alone_need_a_detector(run: Run, tmp_path: Path) -> None:
     folder = tmp_path / "p"
     pictures(folder)

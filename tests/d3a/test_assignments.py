@@ -198,3 +198,13 @@ def test_a_file_that_is_not_whole_is_refused_and_left(tmp_path: Path, cut: str) 
         ingest(ListReader(frames), store, small("default"), assignments=path)
     assert files_in(tmp_path) == ([] if cut == "gone" else ["out.jsonl"])
     assert cut == "gone" or path.read_text(encoding="utf-8") == damaged
+
+
+def test_a_folder_that_is_none_is_refused_before_anything_is_stored(tmp_path: Path) -> None:
+    store = OracleStore()
+    (tmp_path / "letter").write_text("a letter")
+    for folder in ("nowhere", "letter"):
+        path = tmp_path / folder / "out.jsonl"
+        with pytest.raises(BadInput, match=f"{folder} is no folder"):
+            ingest(ListReader(world()), store, small("default"), assignments=path)
+    assert list(store.recordings()) == []
