@@ -14,6 +14,7 @@ from assistant.english import (
     slice_words,
     when,
 )
+from assistant.forced import not_taught
 from assistant.phrases import (
     asked_place,
     condition_words,
@@ -46,6 +47,8 @@ def refusal_words(answer: Answer, query: FormalQuery, now: datetime) -> str:
     opening = "That is right: " if query.negated and query.ask == "whether" else ""
     if answer.reason == "empty":
         return "My memory is empty: nothing was stored yet."
+    if untaught := not_taught(answer, query, term):
+        return untaught
     if answer.status == "unknown_object":
         return opening + _unknown(answer, query, term) + _last_look(answer, query, now)
     if answer.reason == "gone" and query.select == "last" and query.ask != "where":

@@ -25,6 +25,7 @@ from assistant.english import (
     slice_words,
     when,
 )
+from assistant.forced import as_judged, not_judged
 from assistant.phrases import (
     condition_words,
     definite,
@@ -66,14 +67,14 @@ def sentence(answer: Answer, *, now: datetime) -> str:
     """
     if answer.query is None:
         return answer.answer or answer.message or ""
-    parts = [left_out(answer)]
+    parts, query = [left_out(answer), not_judged(answer)], as_judged(answer, answer.query)
     if answer.status != "found":
-        parts.insert(0, refusal_words(answer, answer.query, now))
+        parts.insert(0, refusal_words(answer, query, now))
     elif not tells_nothing(answer):
-        told = _ASKED[answer.query.ask](answer, answer.query, now)
-        said = [told, sureness(answer, answer.query)]
+        told = _ASKED[query.ask](answer, query, now)
+        said = [told, sureness(answer, query)]
         # what is left out turns a yes and a number into another; a place it leaves a place
-        parts = [*parts, *said] if answer.query.ask in ("whether", "count") else [*said, *parts]
+        parts = [*parts, *said] if query.ask in ("whether", "count") else [*said, *parts]
     parts[:0] = [f"I read “{c.said}” as {c.taken}." for c in answer.query.corrections]
     return " ".join(part for part in parts if part)
 
@@ -123,7 +124,7 @@ def _whether(answer: Answer, query: FormalQuery, now: datetime) -> str:
 
 def _yes(answer: Answer, query: FormalQuery) -> str:
     """Return the word before what was seen; none where that is only a part of what was asked."""
-    if answer.unjudged:
+    if answer.unjudged or not_judged(answer):
         return ""
     return "No, there was: " if query.negated else "Yes. "
 

@@ -90,7 +90,8 @@ class Answer:
     least: how many of `count` must be different things: a moved one may have got a new id.
     apart: for a no about moving, at how many places things were seen then that may be one.
     denied: of how many things people said that they are not the owner's who is asked about, so
-    that they were left out; all three for the sentence. elapsed_ms: parse, retrieve, rank, total.
+    that they were left out; precision: the rung of the matching ladder that was forced; all four
+    for the sentence. elapsed_ms: parse, retrieve, rank, total.
     """
 
     text: str = ""
@@ -109,6 +110,7 @@ class Answer:
     least: int = 0
     apart: int = 0
     denied: int = 0
+    precision: str | None = None
     truncated: bool = False
     elapsed_ms: dict[str, float] = field(default_factory=dict)
     id: str | None = None

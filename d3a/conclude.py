@@ -12,6 +12,7 @@ from d3a.model import Json
 from d3a.moments import Entry, total_ms
 from d3a.rank import Ranked, entry_score
 from d3a.run import Run, milliseconds
+from d3a.steps import FindObjects
 from d3a.store.base import Sighting
 from grammar.forms import VARIABLES, TimeSlice
 
@@ -32,6 +33,7 @@ def conclude(run: Run, limit: int) -> Answer:
         least=least,
         apart=run.apart,
         denied=len(run.denied.get(VARIABLES[0], ())),
+        precision=next((s.precision for s in run.steps if isinstance(s, FindObjects)), None),
         keyframes=tuple(keyframes),
         otherwise=_otherwise(run),
         unjudged=tuple(run.unjudged),

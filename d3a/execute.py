@@ -184,7 +184,7 @@ def _candidates(run: Run, step: FindObjects, *, looks: bool) -> tuple[list[Candi
     """
     worth = rungs(step, run.facts.categories(), run.lexicon)
     classes = rungs(step, run.facts.classes() or (), run.lexicon)
-    known = bool(worth) or bool(classes)
+    known = bool(worth) or bool(classes) or step.precision == "perfect"  # asks for no category
     if step.votes:  # a word may be nobody's category and still have had some votes
         worth = rungs(step, (step.category, step.word), run.lexicon) | classes | worth
     if step.category == ANYTHING or step.precision == "any":

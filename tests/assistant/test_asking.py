@@ -111,6 +111,36 @@ def test_unknown_precision_is_the_caller_s_mistake(store: Store) -> None:
         ask(store, "Where is my cup?", now=NOW, precision="fuzzy")
 
 
+@pytest.mark.parametrize(
+    ("precision", "question", "said"),
+    [
+        ("perfect", "Did you see a red cup?", "Nobody taught me which thing is “cup”"),
+        (
+            "category",
+            "Did you see a red cup?",
+            "the category alone: I did not judge “red”. I saw a",
+        ),
+        ("category", "Did you see a cup that is not red?", "I did not judge “not red”. I saw a c"),
+        ("category", "Did you see a cup?", "Yes. I saw a cup"),
+        (
+            "any",
+            "Did you see a red cup?",
+            "anything that I saw: I did not judge “red cup”. I saw a",
+        ),
+        ("any", "Did you see anything?", "Yes. I saw a"),
+        ("attribute", "Did you see a red cup?", "Yes. I saw a red cup"),
+    ],
+)
+def test_a_forced_rung_claims_no_more_than_it_judged(
+    store: Store, precision: str, question: str, said: str
+) -> None:
+    answer = ask(store, question, now=NOW, precision=precision)
+    assert said in answer.answer
+    assert ("Yes" in answer.answer) == said.startswith("Yes")
+    assert "cannot recognise" not in answer.answer
+    assert answer.status == ("not_found" if precision == "perfect" else "found")
+
+
 def test_the_grammar_gets_the_store_s_words(store: Store) -> None:
     words = store_words(store)
     assert words.categories == ("cup", "bowl")
