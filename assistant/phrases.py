@@ -128,11 +128,37 @@ def found_words(answer: Answer, query: FormalQuery) -> str:
     """
     term, best = term_of(query), answer.keyframes[0] if answer.keyframes else None
     noun = noun_of(term)
+    kinds = kinds_of_broad(answer, query)
+    if kinds and query.ask in ("when", "how_long", "how_often"):
+        many = said_many(query, term)
+        noun = listed([plural(kind) if many else kind for kind in kinds])
+        return described(term, answer.unjudged, noun=noun)
     match = best.why.get("match", 1.0) if best else 1.0
     if best is not None and (term.category == ANYTHING or match < _SCORE_OF_WORD):
         # a minority of its views may have been called what was asked for: then that is its word
         noun = noun if is_called(best, term) else kind_of(best)
     return numbered(query, term, answer.unjudged, noun=noun)
+
+
+def kinds_of_broad(answer: Answer, query: FormalQuery) -> list[str]:
+    """Return the kinds that a broader word covers in an answer, best first: banana, apple.
+
+    Empty where it is one kind, or where one keyframe is the answer, which is told as it is.
+    """
+    term = term_of(query)
+    if term.category == ANYTHING or term.owner or query.select != "all":
+        return []
+    likely = likely_of(answer)
+    kinds = list(dict.fromkeys(kind_of(k) for k in likely if _is_other_word(k, term)))
+    if kinds and any(is_called(keyframe, term) for keyframe in likely):
+        kinds.insert(0, term.category)
+    return kinds if len(kinds) > 1 else []
+
+
+def _is_other_word(keyframe: RankedKeyframe, term: ObjectTerm) -> bool:
+    """Whether it was found by a wider or narrower word, not by some views or a taught name."""
+    found = keyframe.why.get("match", 1.0) < _SCORE_OF_WORD and "votes" not in keyframe.why
+    return found and not is_called(keyframe, term)
 
 
 def is_called(keyframe: RankedKeyframe, term: ObjectTerm) -> bool:

@@ -36,6 +36,7 @@ from assistant.phrases import (
     indefinite,
     is_room,
     kind_of,
+    kinds_of_broad,
     likely_of,
     newest_of,
     nowhere_words,
@@ -80,7 +81,7 @@ def sentence(answer: Answer, *, now: datetime) -> str:
 
 
 def _whether(answer: Answer, query: FormalQuery, now: datetime) -> str:
-    if is_open(query):
+    if is_open(query) or (term_of(query).quantity is None and kinds_of_broad(answer, query)):
         return f"{_yes(answer, query)}{_what(answer, query, now)}"
     at = edge_of(query)
     if at is not None:
@@ -253,6 +254,11 @@ def _what(answer: Answer, query: FormalQuery, now: datetime) -> str:
     heads = heads_of(answer)
     sure = [k for k in heads if k.score >= NOT_SURE] or heads  # the rest stands in the table
     seen = {k.object_id: kind_of(k) for k in sure}
+    if kinds_of_broad(answer, query):  # each has the looks that were asked of the broader word
+        seen = {
+            name: described(term_of(query), answer.unjudged, noun=kind)
+            for name, kind in seen.items()
+        }
     kinds = Counter(seen.values())
     things = [article(kind) if n == 1 else counted(n, kind) for kind, n in kinds.most_common(8)]
     if len(kinds) > len(things) or answer.count > len({k.object_id for k in heads}):

@@ -277,6 +277,21 @@ def test_a_look_alike_known_before_doubts_only_if_never_seen_beside(
     assert said.startswith("I cannot be sure.") is doubted
 
 
+def test_a_broader_word_names_the_kinds_that_it_covers(two_rooms: Home) -> None:
+    for name, minute in (("banana", 0), ("apple", 40)):
+        two_rooms.thing(name, name, paint="red")
+        two_rooms.seen(name, minute, minute + 10, at=(1, 2, 1))
+    assert told(two_rooms, "Did you see any fruit?").startswith(
+        "Yes. I saw a banana and an apple, last today at 12:50"
+    )
+    said = told(two_rooms, "When did you see red fruit?")
+    assert said.startswith("I saw the red apple and banana on two occasions")
+    said = told(two_rooms, "Did you see red fruit?")
+    assert said.startswith("Yes. I saw a red apple and a red banana, last")
+    assert told(two_rooms, "When did you last see fruit?").endswith("seen five times.")
+    assert "the apple" in told(two_rooms, "When did you last see fruit?")
+
+
 def test_where_several_things_usually_are_is_told_of_each(two_rooms: Home) -> None:
     for name, x in (("left", 1.0), ("right", 1.5), ("far", 6.0)):
         two_rooms.thing(name, "chair")
