@@ -192,7 +192,10 @@ def _cut(part: Path, mark: Json) -> bool:
 def _resolved(records: list[Json]) -> Iterable[Json]:
     became = {r["became"]: (r["into"], r["why"]) for r in records if "became" in r}
     seen = [r for r in records if "frame" in r]
-    for record in sorted(seen, key=lambda r: (r["row"] is None, r["row"] or 0)):
+    rows = {r["row"]: r for r in seen}  # a frame that is left out is judged again in a rerun
+    bare = [r for r in seen if r["row"] is None]
+    numbered = sorted(rows.keys() - {None})
+    for record in (*(rows[row] for row in numbered), *bare):
         entry, why = record.get("entry"), record.get("why")
         while entry in became:
             entry, why = became[entry]

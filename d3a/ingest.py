@@ -21,7 +21,7 @@ from d3a.jobs import ONE, Jobs, in_jobs
 from d3a.live import WHOLE, Live, Pulse
 from d3a.model import BadInput, Frame
 from d3a.parameters import Parameters
-from d3a.preparation import Preparation, Replaces, Stopwatch
+from d3a.preparation import LeftOut, Preparation, Replaces, Stopwatch
 from d3a.readers.base import Follower, Reader, RecordingFacts, Skipped
 from d3a.retention import retain
 from d3a.sieve import Sieve, Sifted
@@ -317,6 +317,7 @@ class _Run:
         self._left_out = ready.reader_skipped
         if sifted.why is not None:
             associator.skipped.add(sifted.why, sifted.frame.name)
+            log.left_out(sifted.frame.name, self._left_out_whole(sifted.frame, sifted.why))
         if prepared is None:
             return
         associator.skipped.join(ready.skipped)
@@ -331,6 +332,14 @@ class _Run:
         self._detections += len(scene.detections)
         if self._frames == UNPLACED_FRAMES:
             self._note_unplaced()
+
+    def _left_out_whole(self, frame: Frame, why: str) -> list[LeftOut]:
+        """Return the recorded detections of a frame that is not taken in, if they are what counts.
+
+        Those without a row could not be told from the same ones when an ingest is run again.
+        """
+        recorded = () if self._has_detector else frame.detections or ()
+        return [LeftOut(each, why) for each in recorded if each.row is not None]
 
     def _checkpoint(
         self, associator: Associator, log: AssignmentLog, *, done: bool = False

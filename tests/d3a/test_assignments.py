@@ -11,8 +11,10 @@ import pytest
 from d3a import assignments
 from d3a.assignments import AssignmentLog
 from d3a.ingest import ingest
-from d3a.model import BadInput, Frame
-from d3a.parameters import PROFILES, Parameters
+from d3a.intake import NOT_EACH, Intake
+from d3a.model import BadInput, Detection, Frame
+from d3a.parameters import DEFAULT, PROFILES, Parameters
+from d3a.sieve import BACKWARDS
 from d3a.store.base import Batch
 from tests.worlds.oracle import OracleStore
 from tests.worlds.rounds import ListReader, Thing, circle, rounds
@@ -208,3 +210,50 @@ def test_a_folder_that_is_none_is_refused_before_anything_is_stored(tmp_path: Pa
         with pytest.raises(BadInput, match=f"{folder} is no folder"):
             ingest(ListReader(world()), store, small("default"), assignments=path)
     assert list(store.recordings()) == []
+
+
+@pytest.mark.parametrize("profile", ["default", "paper"])
+def test_detections_of_frames_that_are_left_out_are_told_with_why(
+    tmp_path: Path, profile: str
+) -> None:
+    frames, path, store = world(), tmp_path / "out.jsonl", OracleStore()
+    late = replace(frames[10], name="late", time_ms=frames[3].time_ms)
+    frames[10] = late
+    wanted = [None if n % 4 == 0 else NOT_EACH for n in range(FRAMES)]
+    wanted[10] = BACKWARDS
+    intake = Intake(every=4)
+    parameters = small(profile)
+    ingest(ListReader(frames), store, parameters, assignments=path, intake=intake, max_frames=3)
+    for _ in range(2):
+        ingest(ListReader(frames), store, parameters, assignments=path, intake=intake)
+        told = {row["row"]: row["why"] for row in rows_of(path)}
+        assert len(told) == len(rows_of(path))
+        for frame, why in zip(frames, wanted, strict=True):
+            for each in frame.detections or ():
+                assert told[each.row] == why or why is None
+    taken = sum(row["object_id"] is not None for row in rows_of(path))
+    assert 0 < taken <= store.recordings()[0].detections
+
+
+class _Finds:
+    """Finds a cup in each frame."""
+
+    classes = ("cup",)
+    identity = "finds"
+
+    def detect(self, frame: Frame, pixels: object) -> tuple[Detection, ...]:
+        return (Detection("cup", 0.9, (10, 10, 20, 20)),)
+
+
+def test_boxes_that_a_detector_replaces_are_not_told(tmp_path: Path) -> None:
+    frames, path = world(), tmp_path / "out.jsonl"
+    intake = Intake(every=4)
+    ingest(
+        ListReader(frames),
+        OracleStore(),
+        DEFAULT,
+        detector=_Finds(),
+        assignments=path,
+        intake=intake,
+    )
+    assert [row["row"] for row in rows_of(path)] == [None] * len(range(0, FRAMES, 4))
