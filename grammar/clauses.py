@@ -7,7 +7,7 @@ from grammar import timewords as tw
 from grammar.closed import is_open, words_of
 from grammar.cursor import DETERMINERS, OWNED, OWNERS, TIME_GAP, Cursor
 from grammar.forms import ANYTHING
-from grammar.nouns import Attribute, Noun, Pattern
+from grammar.nouns import PREDICATES, Attribute, Noun, Pattern
 from grammar.phrases import SUBJECT_OF, phrases, place_follows, stands_at
 
 _SUBJECTS = ("i", "we", "you", "he", "she", "they")
@@ -44,7 +44,9 @@ class ClauseTagger(Cursor):
             far = self._extraposed(plural)
             if negated and self._text(k) in DETERMINERS:
                 self._emit("_EXCEPT", 0, k - self.i)  # that is not a cup
-            elif self._attribute_at(k):
+            elif not negated and self._is_theirs(k):
+                self._belongs(k)
+            elif self._attribute_at(k) or self._looks(k):
                 self._emit("_THAT_IS_NOT" if negated else "_THAT_IS", far, k - self.i)
             elif self._text(k) in ("made", "built"):
                 self._emit(
@@ -114,6 +116,17 @@ class ClauseTagger(Cursor):
             self._emit("OWNED", OWNED.get(owner, owner.removesuffix("'s")), k + 1 - self.i)
             return True
         return False
+
+    def _is_theirs(self, k: int) -> bool:
+        """Whether an owner stands at `k` with nothing of theirs after it: that is anna's."""
+        while self._text(k) in DETERMINERS or (self._text(k) in OWNERS and self._open_at(k + 1)):
+            k += 1
+        theirs = self._text(k) in OWNED or self._text(k).endswith("'s")
+        return theirs and not self._open_at(k + 1)
+
+    def _looks(self, k: int) -> bool:
+        """Whether a look that is a noun elsewhere stands alone at `k`: that is orange."""
+        return self.lexicon.attributes.get(self._text(k)) in PREDICATES and not self._open_at(k + 1)
 
     def _attribute_at(self, k: int) -> bool:
         found = self.reader.read(self.words, k) if is_open(self._text(k)) else []

@@ -35,6 +35,7 @@ class Tagged:
     tags: list[Tag] = field(default_factory=list)
     select: Select | None = None
     negated: bool = False
+    never: bool = False
     here: bool = False
 
 

@@ -146,7 +146,7 @@ class NounTagger(ClauseTagger):
         lost = text == "nowhere" and self._text(self.i + 1) == "to"  # nowhere to be found
         if lost or text not in ("no", "never", "nothing", "nowhere", "none"):
             return False
-        self.out.negated = True
+        self.out.negated, self.out.never = True, text == "never"
         if text in ("nothing", "none"):
             self._emit("NOUN", Noun("object", "thing", known=True), 1)
         elif text == "no" and self._text(self.i + 1) != "longer":

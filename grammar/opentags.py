@@ -148,8 +148,10 @@ class OpenTagger(RelationTagger):
         return True
 
     def _material(self, text: str) -> bool:
-        """Read what a thing is made of as said of it: glass is a noun elsewhere."""
-        if text not in self.lexicon.attributes or self._last() not in ("_MADE_OF", "_NOT_MADE_OF"):
+        """Read what a thing is made of or looks like as said of it: glass is a noun elsewhere."""
+        made = self._last() in ("_MADE_OF", "_NOT_MADE_OF")
+        looks = self._last() in ("_THAT_IS", "_THAT_IS_NOT") and self._looks(self.i)
+        if text not in self.lexicon.attributes or not (made or looks):
             return False
         self._emit("ATTR", Attribute(text, self.lexicon.attributes[text]), 1)
         return True

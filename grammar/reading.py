@@ -137,7 +137,7 @@ class Reading:
         tagged = found.tagged
         try:
             queries = tuple(
-                query(each, self.text, found.time, tagged.select, tagged.negated)
+                query(each, self.text, found.time, tagged.select, tagged.negated, tagged.never)
                 for each in readings(meaning)
             )
             done = queries[0] if len(queries) == 1 else self._as_one(queries, found)
