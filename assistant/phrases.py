@@ -35,7 +35,7 @@ _RELATIONS = {
 }
 _ALL = frozenset({"everybody", "everyone"})
 _ROOMY = ("room", " area", " corner", " wing", " zone", " floor")
-_SCORE_OF_WORD = 0.86
+SCORE_OF_WORD = 0.86
 """Below this the word was a wider or narrower one: the answer says what was found instead."""
 
 
@@ -134,7 +134,7 @@ def found_words(answer: Answer, query: FormalQuery) -> str:
         noun = listed([plural(kind) if many else kind for kind in kinds])
         return described(term, answer.unjudged, noun=noun)
     match = best.why.get("match", 1.0) if best else 1.0
-    if best is not None and (term.category == ANYTHING or match < _SCORE_OF_WORD):
+    if best is not None and (term.category == ANYTHING or match < SCORE_OF_WORD):
         # a minority of its views may have been called what was asked for: then that is its word
         noun = noun if is_called(best, term) else kind_of(best)
     return numbered(query, term, answer.unjudged, noun=noun)
@@ -157,7 +157,7 @@ def kinds_of_broad(answer: Answer, query: FormalQuery) -> list[str]:
 
 def _is_other_word(keyframe: RankedKeyframe, term: ObjectTerm) -> bool:
     """Whether it was found by a wider or narrower word, not by some views or a taught name."""
-    found = keyframe.why.get("match", 1.0) < _SCORE_OF_WORD and "votes" not in keyframe.why
+    found = keyframe.why.get("match", 1.0) < SCORE_OF_WORD and "votes" not in keyframe.why
     return found and not is_called(keyframe, term)
 
 

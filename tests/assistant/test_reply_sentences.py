@@ -214,6 +214,11 @@ SAID = {
         "I did not see a bowl not on the dining table. I last saw one today at 12:30, 6 hours "
         "ago, in the kitchen."
     ),
+    "Did you see a blurple bowl?": (
+        "I cannot tell what is “blurple” here. I saw a bowl today at 12:30, 6 hours ago, in the "
+        "kitchen, next to the dining table. When I looked there again today at 13:40, it was "
+        "gone. This is a guess: seen five times."
+    ),
     "Where are the couch and the bowl?": (
         "I last saw the couch today at 15:40, 3 hours ago, in the living room. I last saw the "
         "bowl today at 12:30, 6 hours ago, in the kitchen, next to the dining table."
