@@ -252,6 +252,9 @@ def _when(answer: Answer, query: FormalQuery, now: datetime) -> str:
 
 def _what(answer: Answer, query: FormalQuery, now: datetime) -> str:
     heads = heads_of(answer)
+    somewhere = query.relation is not None or query.place is not None
+    if query.select == "first" or (query.select == "last" and not somewhere):
+        return _at_the_edge(answer, query, now)  # what was last somewhere is what is there
     sure = [k for k in heads if k.score >= NOT_SURE] or heads  # the rest stands in the table
     seen = {k.object_id: kind_of(k) for k in sure}
     if kinds_of_broad(answer, query):  # each has the looks that were asked of the broader word
@@ -268,6 +271,18 @@ def _what(answer: Answer, query: FormalQuery, now: datetime) -> str:
         newest = when(newest_of(answer).end, now)
         return f"I last saw {listed(things)}{condition}, the newest {newest}."
     return f"I saw {listed(things)}{condition}, {_last(answer, query, now)}."
+
+
+def _at_the_edge(answer: Answer, query: FormalQuery, now: datetime) -> str:
+    """Return what was seen first or last of all: one thing, or several in the same moment."""
+    is_first, best = query.select == "first", answer.keyframes[0]
+    moment = best.start if is_first else best.end
+    at_once = [k for k in likely_of(answer) if (k.start if is_first else k.end) == moment]
+    kinds = Counter({k.object_id: kind_of(k) for k in at_once or [best]}.values())
+    things = [article(kind) if n == 1 else counted(n, kind) for kind, n in kinds.items()]
+    there = there_words(best, query) if len(at_once) <= 1 else ""
+    condition = condition_words(answer, query)
+    return f"I {query.select} saw {listed(things)}{condition} {when(moment, now)}{there}."
 
 
 def _last(answer: Answer, query: FormalQuery, now: datetime, seen: str = "") -> str:

@@ -292,6 +292,18 @@ def test_a_broader_word_names_the_kinds_that_it_covers(two_rooms: Home) -> None:
     assert "the apple" in told(two_rooms, "When did you last see fruit?")
 
 
+def test_what_was_seen_first_or_last_is_that_alone(two_rooms: Home) -> None:
+    for name, start, end in (("vase", -20, 5), ("book", -20, 10), ("clock", 220, 230)):
+        two_rooms.thing(name, name)
+        two_rooms.seen(name, start, end, at=(1, 2, 1))
+    assert told(two_rooms, "What did you see last?") == (
+        "I last saw a clock today at 15:50, 3 hours ago, in the kitchen."
+    )
+    assert told(two_rooms, "What did you see first today?") == (
+        "I first saw a book and a vase today at 11:40, 7 hours ago."
+    )
+
+
 def test_where_several_things_usually_are_is_told_of_each(two_rooms: Home) -> None:
     for name, x in (("left", 1.0), ("right", 1.5), ("far", 6.0)):
         two_rooms.thing(name, "chair")
