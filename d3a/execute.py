@@ -86,6 +86,9 @@ def execute(
     """
     run = Run(plan.query, store, lexicon, now, parameters, facts or Facts(store), plan.steps)
     run.limit = limit
+    alone = len(plan.query.objects) == 1 and plan.query.objects[0].quantity is not None
+    if alone and plan.query.relation is not None:  # whether three cups met is no pair's relation
+        run.leave_out(plan.query.relation.kind)
     started = perf_counter()
     ranking_ms = 0.0
     for step in plan.steps:
