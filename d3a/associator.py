@@ -19,12 +19,12 @@ from d3a.floor_map import MAP, RECORDED_MAP
 from d3a.ledger import Ledger
 from d3a.match import squash
 from d3a.model import Image, Json
-from d3a.paper import PaperPipeline
+from d3a.paper import NOISE, PaperPipeline
 from d3a.parameters import Parameters
 from d3a.pictures import Pictures
 from d3a.readers.base import RecordingFacts, Skipped
 from d3a.reconcile import Corrected, acknowledged, news_of, reconcile, take_in
-from d3a.sightings import Event, Scene
+from d3a.sightings import Became, Event, Scene
 from d3a.store.base import (
     FORGOTTEN,
     Batch,
@@ -188,6 +188,7 @@ class Associator:
             self._coverage.restore(record["view"])
         elif record["recording"] is not None:
             self._pipeline.flush()
+            self._pipeline.take_events()  # of the other's detections
 
     def add(self, scene: Scene, image: Image | None) -> None:
         """Take a scene in; image: its picture as it came, for keyframes."""
@@ -217,8 +218,12 @@ class Associator:
         return self._store.meta(SAID) != self._said
 
     def take_events(self) -> list[Event]:
-        """Return what became of detections since the last call."""
-        return self._pipeline.take_events()
+        """Return what became of detections since the last call; count what the paper leaves out."""
+        events = self._pipeline.take_events()
+        for event in events:
+            if isinstance(event, Became) and event.why == NOISE:
+                self.skipped.add(NOISE, event.entry.removeprefix("noise "))
+        return events
 
     def finish(self) -> None:
         """End the recording: flush the tiers; `checkpoint(done=True)` is to follow."""

@@ -13,6 +13,7 @@ from d3a.assignments import AssignmentLog
 from d3a.ingest import ingest
 from d3a.intake import NOT_EACH, Intake
 from d3a.model import BadInput, Detection, Frame
+from d3a.paper import NOISE
 from d3a.parameters import DEFAULT, PROFILES, Parameters
 from d3a.sieve import BACKWARDS
 from d3a.store.base import Batch
@@ -257,3 +258,29 @@ def test_boxes_that_a_detector_replaces_are_not_told(tmp_path: Path) -> None:
         intake=intake,
     )
     assert [row["row"] for row in rows_of(path)] == [None] * len(range(0, FRAMES, 4))
+
+
+@pytest.mark.parametrize("cut", [None, 8])
+def test_the_paper_counts_what_its_association_leaves_out(tmp_path: Path, cut: int | None) -> None:
+    frames, path, store = world(), tmp_path / "out.jsonl", OracleStore()
+    for number, row in ((3, 1000), (20, 1001), (FRAMES - 1, 1002)):
+        slip = Detection("vase", 0.5, (1, 1, 9, 9), (0.0, 0.0, float(number)), row=row)
+        seen = (*(frames[number].detections or ()), slip)
+        frames[number] = replace(frames[number], detections=seen)
+    if cut is not None:
+        ingest(ListReader(frames), store, small("paper"), assignments=path, max_frames=cut)
+    summary = ingest(ListReader(frames), store, small("paper"), assignments=path)
+    left_out = [row for row in rows_of(path) if row["why"] == NOISE]
+    assert summary.skipped.counts == {NOISE: len(left_out)}
+    assert {1000, 1001, 1002} <= {row["row"] for row in left_out}
+
+
+def test_what_another_recording_left_open_is_not_told_as_this_ones(tmp_path: Path) -> None:
+    frames, path, store = world(), tmp_path / "out.jsonl", OracleStore()
+    ingest(ListReader(frames), store, small("paper"), max_frames=7)
+    later = [
+        replace(frame, name=f"g{n}", time_ms=frame.time_ms + 86_400_000)
+        for n, frame in enumerate(frames)
+    ]
+    ingest(ListReader(later), store, small("paper"), assignments=path)
+    assert all(str(row["frame"]).startswith("g") for row in rows_of(path))
