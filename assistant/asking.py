@@ -28,7 +28,7 @@ from d3a.parameters import Parameters
 from d3a.plan import Plan, Precision, plan
 from d3a.store.base import FORGOTTEN, NativeQuery, Store, StoreError
 from grammar import StoreWords, parse, vocabulary
-from grammar.errors import QuestionError
+from grammar.errors import OutOfScope, QuestionError
 from grammar.forms import FormalQuery
 from grammar.notation import looks_formal, read
 
@@ -195,6 +195,9 @@ def ask_query(
     """
     started = perf_counter()
     rung = _precision(precision)
+    if _asks_for_the_unseen(query):
+        told = "That asks for what was not seen, and I remember what was. Ask when it was seen."
+        return replace(refusal(OutOfScope(query.text, 0, told)), query=query)
     try:
         facts = facts or Facts(store)
         parameters = facts.parameters()
@@ -214,6 +217,12 @@ def ask_query(
         return replace(failure(query.text, error), query=query)
     answer = within(answer, limit)
     return replace(answer, elapsed_ms=answer.elapsed_ms | {"total": _ms_since(started)})
+
+
+def _asks_for_the_unseen(query: FormalQuery) -> bool:
+    """Say whether it is asked when or where a thing was not: no sighting shows that."""
+    plain = query.relation is None and query.place is None
+    return query.negated and plain and query.ask != "whether"
 
 
 def _said(answer: Answer, query: FormalQuery, facts: Facts, now: datetime) -> Answer:

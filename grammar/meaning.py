@@ -136,8 +136,7 @@ def query(
     """Return the formal query of a meaning, its floating words and its time.
 
     never: it is denied for all of the time, and not for a sighting.
-    Raises MeaningError where the objects cannot stand in their relation, and for what no sighting
-    shows: when a thing was not seen, and what never was so.
+    Raises MeaningError where the objects cannot stand in their relation, and for what never was.
     """
     ask = meaning.ask or "where"
     objects, relation, place = _arranged(meaning)
@@ -145,8 +144,6 @@ def query(
         raise MeaningError("it tells what moved or is missing, not together with what")
     if never and ask != "whether":
         raise MeaningError("it asks for what never was, and I remember what was")
-    if negated and ask != "whether" and relation is None and place is None:
-        raise MeaningError("it asks for what was not seen, and I remember what was")
     chosen: Select = select or meaning.select or "all"
     unsaid = select is None and meaning.select is None
     if unsaid and meaning.newest and time is None and ask == "where":

@@ -319,3 +319,9 @@ def test_where_a_thing_usually_is_leaves_room_for_what_may_be_it(carried: Home) 
     said = told(carried, "Where do my keys usually lie?")
     assert said.startswith("I saw your keys in the ")
     assert "(50 %). Of the rest I cannot be sure" in said
+
+
+@pytest.mark.parametrize("question", ["When did you not see the cup?", "what has not moved"])
+def test_no_sighting_shows_when_a_thing_was_not_seen(two_rooms: Home, question: str) -> None:
+    said = told(two_rooms, question)
+    assert said == "That asks for what was not seen, and I remember what was. Ask when it was seen."

@@ -482,3 +482,11 @@ def test_a_look_is_not_told_but_looked_for(look: str) -> None:
     assert caught.value.kind == "out_of_scope"
     assert caught.value.position == text.index(look)
     assert f"I do not tell the {look} of a thing" in caught.value.reason
+
+
+@pytest.mark.parametrize(
+    ("text", "ask"), [("When did you not see the bowl?", "when"), ("what has not moved", "moved")]
+)
+def test_what_was_not_so_is_read_as_said(text: str, ask: str) -> None:
+    query = read(text)
+    assert (query.ask, query.negated, query.relation) == (ask, True, None)
