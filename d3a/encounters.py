@@ -12,12 +12,10 @@ from d3a.ledger import Ledger
 from d3a.model import Detection, Json
 from d3a.parameters import Parameters
 from d3a.sightings import FrameRef
-from d3a.store.base import Apart, Encounter, StayKey
+from d3a.store.base import LEAST_SIGMA_M, Apart, Encounter, StayKey
 
 Pair = tuple[StayKey, StayKey]
 _FIELDS = tuple(f.name for f in fields(Encounter))
-LEAST_SIGMA_M = 0.001
-"""What is measured is no surer than this."""
 MOST_SIGMA_M = 0.5
 """What is less sure is no measurement: without depth all that a frame shows is put at one range."""
 

@@ -17,7 +17,7 @@ from d3a.model import Box
 from d3a.moments import Found, extents, positions
 from d3a.pairs import Floats, Pairs, placed_together, with_middles
 from d3a.places import sigma_of, up_of
-from d3a.store.base import Apart, Encounter, Sighting, StayKey
+from d3a.store.base import LEAST_SIGMA_M, Apart, Encounter, Sighting, StayKey
 
 
 class Link(NamedTuple):
@@ -71,8 +71,6 @@ _NO_BOX: Box = (math.nan, math.nan, math.nan, math.nan)
 _NO_POSE = (math.nan,) * 7
 FAR_M = 1e6
 """How far apart the maps of two sites are laid; a store's places are nearer to zero."""
-LEAST_SIGMA_M = 0.001
-"""What is measured is no surer than this."""
 
 
 def _seen(encounter: Encounter, stay: StayKey, box: Box) -> Sighting:

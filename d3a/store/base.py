@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from d3a.model import Json
 from d3a.store.documents import (
+    LEAST_SIGMA_M,
     Apart,
     Encounter,
     Keyframe,
@@ -43,6 +44,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "FORGOTTEN",
+    "LEAST_SIGMA_M",
     "SCHEMA",
     "Apart",
     "Area",

@@ -17,6 +17,8 @@ StayKey = tuple[str, int]
 """(object_id, place): one object at one location."""
 Apart = tuple[float, float, float, float]
 """x, y, z from one thing to another and the deviation of that along each axis, metres."""
+LEAST_SIGMA_M = 0.001
+"""The least deviation that counts: what is measured is no surer than this."""
 
 
 @dataclass(frozen=True, slots=True)
