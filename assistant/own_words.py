@@ -38,11 +38,9 @@ def as_heard(query: FormalQuery, facts: Facts) -> FormalQuery:
     taught = {squash(name.word) for name in facts.names() if name.owner is None}
     if not any(squash(term.word) in taught for term in query.objects):
         return query
-    from d3a.constraints import HISTORY, History  # most questions do without
+    from d3a.constraints import History  # most questions do without
 
-    history = facts.meta(HISTORY)
-    entries = History.of_json(history).entries if history is not None else ()
-    heard = [each.arguments.get("heard") for each in entries]
+    heard = [each.arguments.get("heard") for each in History.read(facts).entries]
     written = {squash(_bare(name)): _written(name) for name in heard if name}
     return replace(query, objects=tuple(_spelled(term, written) for term in query.objects))
 

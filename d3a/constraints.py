@@ -12,7 +12,7 @@ import json
 import zlib
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, Literal
+from typing import Any, Literal, Protocol
 
 from d3a.match import squash
 from d3a.model import Json
@@ -28,6 +28,13 @@ CHUNK = 700_000
 Kind = Literal["merge", "split", "teach", "place", "map", "look", "deny"]
 Denial = tuple[str, str, str]
 """An object, and the word and the owner that it is not: o12, key, me."""
+
+
+class HasMeta(Protocol):
+    """A store, or what was read of one."""
+
+    def meta(self, key: str) -> Any | None:
+        """Return a JSON value, None where it is not set."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,7 +98,7 @@ class History:
     undone: tuple[Correction, ...] = ()
 
     @classmethod
-    def read(cls, store: Store) -> History:
+    def read(cls, store: HasMeta) -> History:
         """Return the store's history, without the records of the corrections."""
         value = store.meta(HISTORY)
         return cls() if value is None else cls.of_json(value)

@@ -103,15 +103,12 @@ class Run:
         """Return those that nobody said are not the owner's: "these are not my keys"."""
         if step.owner is None:
             return records
-        from d3a.constraints import HISTORY, History  # most questions do without
+        from d3a.constraints import History  # most questions do without
 
-        value = self.facts.meta(HISTORY)
-        if value is None:
-            return records
         words = {squash(step.word), squash(step.category)}
         denied = {
             name
-            for name, word, owner in History.of_json(value).denials()
+            for name, word, owner in History.read(self.facts).denials()
             if owner == step.owner and words & {squash(word), squash(self.lexicon.canonical(word))}
         }
         left_out = {record.object_id for record in records} & denied
