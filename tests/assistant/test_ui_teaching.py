@@ -233,15 +233,21 @@ class Held:
         return self.talk.ask(text)
 
 
+async def taught_behind_the_slow(c: Chat) -> str:
+    """Ask for the bowl, then for what is slow, and name the bowl meanwhile; return its id."""
+    await c.ask("where is the bowl?")
+    bowl = c.app.chat.keyframes[0].object_id
+    await c.type("where is the chair?")
+    await c.until(lambda: "Looking" in c.said())
+    await c.type("call it Excalibur")
+    return bowl
+
+
 async def test_what_was_taught_is_kept_though_something_newer_was_asked() -> None:
     store = filled()
     held = Held(store)
     async with chat(held.session) as c:
-        await c.ask("where is the bowl?")
-        bowl = c.app.chat.keyframes[0].object_id
-        await c.type("where is the chair?")
-        await c.until(lambda: "Looking" in c.said())
-        await c.type("call it Excalibur")
+        bowl = await taught_behind_the_slow(c)
         await c.type("where is the cup?")
         await c.type("where are my keys?")
         held.release.set()
@@ -305,11 +311,7 @@ async def test_what_was_taught_is_kept_though_the_chat_was_left() -> None:
     store = filled()
     held = Held(store)
     async with chat(held.session) as c:
-        await c.ask("where is the bowl?")
-        bowl = c.app.chat.keyframes[0].object_id
-        await c.type("where is the chair?")
-        await c.until(lambda: "Looking" in c.said())
-        await c.type("call it Excalibur")
+        bowl = await taught_behind_the_slow(c)
         await c.pilot.press("ctrl+q")
     held.release.set()
     await asyncio.get_running_loop().shutdown_default_executor()  # as a chat's own end does
