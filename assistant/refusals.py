@@ -69,7 +69,7 @@ def refusal_words(answer: Answer, query: FormalQuery, now: datetime) -> str:
         spread = counted(answer.apart, "place")
         told = f"I saw {things} in {spread}{time}. I cannot be sure that they are the same."
     elif change:
-        verb = "moved" if query.ask == "moved" else "is missing"
+        verb = "moved" if query.ask == "moved" else ("went missing" if time else "is missing")
         seen = " that I saw" if query.ask == "missing" and query.relation is not None else ""
         told = f"As far as I saw, nothing {verb}{seen}{condition}{time}."
     elif answer.reason in ("not_then", "not_there"):

@@ -352,7 +352,7 @@ def _missing(answer: Answer, query: FormalQuery, now: datetime) -> str:
         told.append(f"the {kind_of(keyframe)}, last seen{there} {when(keyframe.end, now)}")
     verb = "is" if answer.count == 1 else "are"
     number = sentence_case(counted(answer.count, "thing"))
-    where = condition_words(answer, query) if query.relation is not None else ""
+    where = condition_words(answer, query)
     return f"{number} {verb} no longer{where or ' in place'}{_among(told, answer)}."
 
 

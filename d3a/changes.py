@@ -4,13 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Self
 
+from d3a.departures import Left, Looks, share_left
 from d3a.distinct import may_be_one
 from d3a.moments import Found, Moment, changes_of_place, entry_of, single, total_ms
+from d3a.run import Run, milliseconds
+from d3a.steps import KeepMissing, KeepMoved, KeepUsual
 from d3a.store.base import Sighting, StayKey
 
 LEAST_STAY_MS = 1_000
 """A look in passing still says that the thing was there: it counts as this long."""
+LEAST_LEFT = 0.5
+"""A thing went missing in a slice where that is more likely than not."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -19,6 +25,11 @@ class Slice:
 
     start_ms: int | None = None
     end_ms: int | None = None
+
+    @classmethod
+    def of(cls, step: KeepMissing | KeepMoved | KeepUsual) -> Self:
+        """Return the slice of a step."""
+        return cls(milliseconds(step.start), milliseconds(step.end))
 
     def holds(self, moment_ms: int) -> bool:
         """Whether a moment falls into the slice."""
@@ -35,15 +46,16 @@ def by_object(sightings: Sequence[Sighting]) -> dict[str, list[Sighting]]:
     return out
 
 
-def moved(found: Found, when: Slice, everywhere: Sequence[Sighting] | None = None) -> list[Moment]:
+def moved(run: Run, step: KeepMoved) -> list[Moment]:
     """Return the first sighting after each change of place within the slice.
 
     The association links an object's stays and says how sure it is (`moved_from`); a change
     without such a link has the chance of a coin. What was last seen before the slice may have
     moved before it: as likely as the time unseen lies outside.
-    everywhere: the sightings before those outside of an asked room, or without an asked relation,
-    were dropped; then what came into the room or left it, or moved within.
+    Of an asked room or relation: what came into it or left it, or moved within.
     """
+    found, when = run.found[step.var], Slice.of(step)
+    everywhere = run.before_place.get(step.var) or run.before_relation.get(step.var)
     out: list[Moment] = []
     inside = {s.stay for s in found.sightings}
     for sightings in by_object(found.sightings if everywhere is None else everywhere).values():
@@ -68,35 +80,65 @@ def _share_within(when: Slice, start_ms: int, end_ms: int) -> float:
     return (end_ms - when.start_ms) / (end_ms - start_ms)
 
 
-def missing(found: Found, when: Slice) -> list[Moment]:
+def missing(run: Run, step: KeepMissing) -> list[Moment]:
     """Return the last sighting of each object whose place was seen without it, in the slice.
 
     An object that was seen anywhere after that look is not missing. Nor may it be where another
     of its category turned up since it was seen last: a moved thing may have got a new id.
+    In the slice means gone since it began and before it ended, not that it was gone then too: see
+    `share_left`, which is asked where the last sighting or the look without it lies outside.
     """
+    found, when = run.found[step.var], Slice.of(step)
+    gone = _gone(found)
+    settled = {
+        one.stay.key for one in gone if when.holds(one.last_ms) and when.holds(one.absent_ms)
+    }
+    unsure = [one for one in gone if one.stay.key not in settled]
+    shares = dict.fromkeys(settled, 1.0)
+    if unsure:
+        first, last = min(one.stay.first_ms for one in unsure), max(one.absent_ms for one in unsure)
+        looks = Looks(run.store.views(start_ms=first, end_ms=last))
+        start = first if when.start_ms is None else when.start_ms
+        end = last + 1 if when.end_ms is None else when.end_ms
+        for one in unsure:
+            chance = run.parameters.detect_chance
+            shares[one.stay.key] = share_left(one, looks, chance, start, end)
     out: list[Moment] = []
+    for one in gone:
+        share = shares[one.stay.key]
+        if share >= LEAST_LEFT:
+            moment = single(found, max(one.sightings, key=lambda s: (s.end_ms, s.start_ms)))
+            out.append(moment if one.stay.key in settled else moment._replace(relation=share))
+    return out
+
+
+def _gone(found: Found) -> list[Left]:
+    """Return what was last seen at a place that was then seen without it, by object."""
     objects = by_object(found.sightings)
     newest: dict[str, int] = {}
     for name, sightings in objects.items():
         category = found.candidates[name].record.category
         newest[category] = max(newest.get(category, 0), sightings[0].start_ms)
+    out: list[Left] = []
     for name, sightings in objects.items():
         last = max(sightings, key=lambda s: (s.end_ms, s.start_ms))
         stay = found.stays.get(last.stay)
         absent = stay.last_absent_ms if stay is not None else None
         if newest[found.candidates[name].record.category] > last.end_ms:
             continue
-        if absent is not None and absent > last.end_ms and when.holds(absent):
-            out.append(single(found, last))
+        if stay is not None and absent is not None and absent > last.end_ms:
+            there = [s for s in sightings if s.stay == last.stay]
+            out.append(Left(there, stay, absent))
     return out
 
 
-def usual(found: Found, when: Slice) -> list[Moment]:
+def usual(run: Run, step: KeepUsual) -> list[Moment]:
     """Return the newest sighting of each stay with its share of the object's seen time.
 
     What others of its category, never seen in one round with it, were seen counts as its time
     too: they may be the same thing at another place.
     """
+    found, when = run.found[step.var], Slice.of(step)
     out: list[Moment] = []
     seen = [s for s in found.sightings if when.holds(s.start_ms) or when.holds(s.end_ms)]
     objects = by_object(seen)

@@ -20,7 +20,7 @@ from d3a.bounded import (
     finds_stays_late,
     keep_since,
 )
-from d3a.changes import Slice, missing, moved, usual
+from d3a.changes import missing, moved, usual
 from d3a.conclude import conclude
 from d3a.facts import Facts
 from d3a.joined import (
@@ -127,12 +127,11 @@ def _take(run: Run, step: Step) -> None:
         case KeepPresent():
             keep_present(run, step)
         case KeepMoved():
-            sifted = run.before_place.get(step.var) or run.before_relation.get(step.var)
-            run.moments = moved(run.found[step.var], _slice(step.start, step.end), sifted)
+            run.moments = moved(run, step)
         case KeepMissing():
-            run.moments = missing(run.found[step.var], _slice(step.start, step.end))
+            run.moments = missing(run, step)
         case KeepUsual():
-            run.moments = usual(run.found[step.var], _slice(step.start, step.end))
+            run.moments = usual(run, step)
         case Measure():
             pass  # `conclude` counts what is left, once it is known to be something
         case Rank():
@@ -147,10 +146,6 @@ def _take(run: Run, step: Step) -> None:
             explain_empty(run, step)
         case _:
             assert_never(step)
-
-
-def _slice(start: datetime | None, end: datetime | None) -> Slice:
-    return Slice(milliseconds(start), milliseconds(end))
 
 
 def _find_objects(run: Run, step: FindObjects) -> None:
