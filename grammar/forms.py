@@ -17,6 +17,7 @@ Ask = Literal[
     "whether", "where", "when", "what", "count", "how_long", "how_often", "moved", "missing"
 ]
 Select = Literal["last", "first", "all", "usual"]
+Bound = Literal["least", "most", "exactly"]
 RelationKind = Literal[
     "together",
     "near",
@@ -34,6 +35,7 @@ RelationKind = Literal[
 FORMS: tuple[Form, ...] = get_args(Form)
 ASKS: tuple[Ask, ...] = get_args(Ask)
 SELECTS: tuple[Select, ...] = get_args(Select)
+BOUNDS: tuple[Bound, ...] = get_args(Bound)
 RELATION_KINDS: tuple[RelationKind, ...] = get_args(RelationKind)
 ANYTHING = "object"
 """The category of "thing", "anything" and "something": it matches every object."""
@@ -72,6 +74,7 @@ class ObjectTerm:
     category: singular, after synonyms ("mug" is "cup"); `ANYTHING` for "thing".
     word: the noun as said, singular, after spelling correction; matching ranks by it.
     attributes, without: words in spoken order. owner: "me", "you", or a lower-case name.
+    bound: how `quantity` is meant: two cups are at least two. not_owner: whose it must not be.
     """
 
     category: str
@@ -82,15 +85,24 @@ class ObjectTerm:
     quantity: int | None = None
     where: Where | None = None
     var: str = "x"
+    bound: Bound = "least"
+    not_owner: str | None = None
 
     def __post_init__(self) -> None:
+        _one_of("bound", self.bound, BOUNDS)
+        if self.bound != "least" and self.quantity is None:
+            raise FormError(f"bound is {self.bound!r} of no quantity; say of how many")
         if not self.category:
             raise FormError("an object has an empty category; it must be a noun")
         if not self.word:
             object.__setattr__(self, "word", self.category)
 
     def to_json(self) -> Json:
-        """Return the JSON record of formal-query, every field present."""
+        """Return the JSON record of formal-query, every field present.
+
+        `bound` and `not_owner`, which it does not know, only where they say something.
+        """
+        more = {"bound": self.bound if self.bound != "least" else None, "not_owner": self.not_owner}
         return {
             "var": self.var,
             "category": self.category,
@@ -100,7 +112,7 @@ class ObjectTerm:
             "owner": self.owner,
             "quantity": self.quantity,
             "where": self.where.to_json() if self.where else None,
-        }
+        } | {name: said for name, said in more.items() if said is not None}
 
 
 @dataclass(frozen=True, slots=True)
@@ -173,6 +185,7 @@ class FormalQuery:
     objects: the arguments of `relation` in spoken order, figure first; empty for `moved` and
     `missing` without an object. place: a named region, never an object.
     select: which of the sightings; `usual` asks where a thing habitually lies.
+    outside: the place is one where it must not be: the cup that is not in the kitchen.
     corrections: the words that were read as others; no part of what is asked, so not compared.
     """
 
@@ -185,12 +198,15 @@ class FormalQuery:
     time: TimeSlice | None = None
     select: Select = "all"
     negated: bool = False
+    outside: bool = False
     corrections: tuple[Correction, ...] = field(default=(), compare=False)
 
     def __post_init__(self) -> None:
         _one_of("form", self.form, FORMS)
         _one_of("ask", self.ask, ASKS)
         _one_of("select", self.select, SELECTS)
+        if self.outside and self.place is None:
+            raise FormError("outside of no place; say of which")
         if len(self.objects) > len(VARIABLES):
             raise FormError(f"{len(self.objects)} objects; at most {len(VARIABLES)} will do")
         named = tuple(
@@ -201,33 +217,16 @@ class FormalQuery:
 
     @property
     def formal(self) -> str:
-        """The paper's notation, for reading: one predicate a word, then the store call."""
-        predicates: list[str] = []
-        groups: list[str] = []
-        for term in self.objects:
-            words = [*term.attributes, term.category]
-            variables = [
-                VARIABLES[(len(predicates) + i) % len(VARIABLES)] for i in range(len(words))
-            ]
-            predicates += [
-                f"{w.replace(' ', '_')}({v})" for w, v in zip(words, variables, strict=True)
-            ]
-            groups += variables
-        call = f"OIc.find({', '.join(groups)})"
-        conditions: list[str] = []
-        if self.relation is not None:
-            conditions.append(("not " if self.relation.negated else "") + self.relation.kind)
-        if self.place is not None:
-            conditions.append(f"in {self.place}")
-        if self.time is not None:
-            predicates.append("time(t)")
-            conditions.append(_bounds(self.time))
-        if self.form != "Q1" or conditions:
-            call = f"STc.find({', '.join([call, *conditions])})"
-        return f"{', '.join(predicates)} | {call}"
+        """The paper's notation, for reading; see `grammar.notation.formal`."""
+        from grammar.notation import formal  # it is written of this record
+
+        return formal(self)
 
     def to_json(self) -> Json:
-        """Return the JSON record of formal-query; `corrections` only where a word was corrected."""
+        """Return the JSON record of formal-query.
+
+        `outside` and `corrections`, which it does not know, only where there is such.
+        """
         record: Json = {
             "text": self.text,
             "form": self.form,
@@ -240,6 +239,8 @@ class FormalQuery:
             "negated": self.negated,
             "formal": self.formal,
         }
+        if self.outside:
+            record["outside"] = True
         if self.corrections:
             record["corrections"] = [each.to_json() for each in self.corrections]
         return record
@@ -264,31 +265,13 @@ class FormalQuery:
                 time=TimeSlice(_moment(time["start"]), _moment(time["end"])) if time else None,
                 select=cast("Select", record["select"]),
                 negated=bool(record["negated"]),
+                outside=bool(record.get("outside", False)),
                 corrections=tuple(Correction(**said) for said in record.get("corrections", ())),
             )
         except KeyError as error:
             raise FormError(f"the field {error.args[0]!r} is missing") from error
         except (TypeError, AttributeError) as error:
             raise FormError(f"not a formal query: {error}") from error
-
-
-def _bounds(time: TimeSlice) -> str:
-    """Write a slice as the paper does, `1600 >= t >= 1300`; with dates where it takes two days."""
-    start, end = time.start, time.end
-    days = start is not None and end is not None and start.date() != end.date()
-
-    def clock(moment: datetime) -> str:
-        return f"{moment:%Y-%m-%d %H%M}" if days else f"{moment:%H%M}"
-
-    if time.start is None and time.end is None:
-        return "t"
-    if time.start is None:
-        return f"{clock(cast('datetime', time.end))} >= t"
-    if time.end is None:
-        return f"t >= {clock(time.start)}"
-    if time.is_point:
-        return f"t = {clock(time.start)}"
-    return f"{clock(time.end)} >= t >= {clock(time.start)}"
 
 
 def _with_fixed_offset(moment: datetime) -> datetime:
@@ -319,4 +302,6 @@ def _term_from_json(record: Mapping[str, Any]) -> ObjectTerm:
         if where
         else None,
         var=record["var"],
+        bound=cast("Bound", record.get("bound", "least")),
+        not_owner=record.get("not_owner"),
     )

@@ -19,6 +19,7 @@ from grammar.forms import (
     RELATION_KINDS,
     SELECTS,
     Ask,
+    Bound,
     Form,
     FormalQuery,
     FormError,
@@ -29,8 +30,8 @@ from grammar.forms import (
     TimeSlice,
     Where,
 )
-from grammar.notation import TIME
-from grammar.vocabulary import lexicon
+from grammar.notation import SIGNS, TIME, ask_unsaid, form_unsaid
+from grammar.vocabulary.lexicon import lexicon
 
 
 @dataclass
@@ -41,7 +42,9 @@ class _Object:
     without: list[str] = field(default_factory=list)
     said: str | None = None
     owner: str | None = None
+    not_owner: str | None = None
     quantity: int | None = None
+    bound: Bound = "least"
     related: tuple[str, str, bool] | None = None
 
 
@@ -54,6 +57,7 @@ class _Line:
     stored: bool = False
     relation: Relation | None = None
     place: str | None = None
+    outside: bool = False
     time: TimeSlice | None = None
     timed: bool = False
     settings: dict[str, str] = field(default_factory=dict)
@@ -118,9 +122,12 @@ class _Reader:
                 self.line.objects.setdefault(rest[0], _Object())
                 thing.related = (word, rest[0], negated)
             case "counts":
-                thing.quantity = int(rest[0])
-            case _ if word == "said":
+                thing.bound = _bound(rest[0] if len(rest) > 1 else "")
+                thing.quantity = int(rest[-1])
+            case _ if word == "said" and not negated:
                 thing.said = json.loads(rest[0])
+            case _ if word == "of" and negated:
+                thing.not_owner = json.loads(rest[0])
             case _ if word == "of":
                 thing.owner = json.loads(rest[0])
             case _:
@@ -140,7 +147,8 @@ class _Reader:
             case "call":
                 self._call(tree)
             case "place":
-                self.line.place = _text(tree.children[1])
+                self.line.place = _text(tree.children[-1])
+                self.line.outside = len(tree.children) == 3
             case "named":
                 negated = len(tree.children) == 2
                 self._named(str(tree.children[-1]), negated=negated)
@@ -227,8 +235,8 @@ class _Reader:
             and len(terms) > 1
         ):
             relation = Relation("together")  # the paper's Q2: both found in STc is together
-        ask = settings.get("ask") or self._ask(relation)
-        form = settings.get("form") or self._form(relation)
+        ask = settings.get("ask") or ask_unsaid(relation, line.time, stored=line.stored)
+        form = settings.get("form") or form_unsaid(relation, stored=line.stored)
         select = settings.get("select", "all")
         for value, allowed in ((ask, ASKS), (form, FORMS), (select, SELECTS)):
             if value not in allowed:
@@ -240,39 +248,32 @@ class _Reader:
             objects=terms,
             relation=relation,
             place=line.place,
+            outside=line.outside,
             time=line.time,
             select=cast("Select", select),
             negated="negated" in settings,
         )
-
-    def _ask(self, relation: Relation | None) -> str:
-        if not self.line.stored:
-            return "whether"
-        return "when" if relation is not None and self.line.time is None else "where"
-
-    def _form(self, relation: Relation | None) -> str:
-        if relation is not None:
-            return "Q2"
-        return "Q3" if self.line.stored else "Q1"
 
     def _terms(self) -> tuple[ObjectTerm, ...]:
         groups = self.line.found or [list(self.line.objects)]
         return tuple(self._term(t) for group in groups for t in self._bound_apart(group))
 
     def _bound_apart(self, group: list[str]) -> list[_Object]:
-        """Bind the paper's `pink(x), cup(y)` to one object: attributes go with the next noun."""
-        attributes = lexicon().attributes
+        """Bind the paper's `pink(x), cup(y)` to one object: attributes go with the next noun.
+
+        What `write` wrote has bound them already. Of several OIc.find each finds one object;
+        where there is one alone, `cup(x), bowl(y)` are two.
+        """
+        if "said" in self.line.settings:
+            return [self.line.objects[var] for var in group]
+        several = len(self.line.found) > 1
         out: list[_Object] = []
         waiting: list[str] = []
         for i, var in enumerate(group):
             thing = self.line.objects[var]
             alone = len(thing.words) == 1 and thing == _Object(words=thing.words)
-            if (
-                alone
-                and not self.line.settings
-                and thing.words[0] in attributes
-                and i + 1 < len(group)
-            ):
+            describes = alone and (several or _is_look(thing.words[0]))
+            if describes and i + 1 < len(group):
                 waiting += thing.words
                 continue
             out.append(replace(thing, words=[*waiting, *thing.words]))
@@ -298,7 +299,23 @@ class _Reader:
             owner=thing.owner,
             quantity=thing.quantity,
             where=where,
+            bound=thing.bound,
+            not_owner=thing.not_owner,
         )
+
+
+def _is_look(word: str) -> bool:
+    """Whether a word describes, by itself or after its shade: blue, light-blue."""
+    looks = lexicon().attributes
+    return word in looks or word.rpartition("-")[2] in looks
+
+
+def _bound(sign: str) -> Bound:
+    """Return how a number is meant that has this sign before it."""
+    signs: dict[str, Bound] = {sign.strip(): bound for bound, sign in SIGNS.items()}
+    if sign not in signs | {">=": "least"}:
+        raise FormError(f"{sign} stands before no number; =, <= and >= do")
+    return signs.get(sign, "least")
 
 
 def _text(node: Tree[Token] | Token) -> str:

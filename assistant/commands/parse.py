@@ -79,7 +79,8 @@ def readable(record: dict[str, Any]) -> str:
             "  relation: " + ("not " * record["relation"]["negated"]) + record["relation"]["kind"]
         ]
     if record["place"]:
-        lines += [f"  place: {record['place']}"]
+        outside = "not " * record.get("outside", False)
+        lines += [f"  place: {outside}{record['place']}"]
     if record["time"]:
         lines += [f"  time: {record['time']['start'] or '...'} to {record['time']['end'] or '...'}"]
     if record["negated"]:
@@ -94,8 +95,11 @@ def _term(term: dict[str, Any]) -> str:
     words += [f"not {word}" for word in term["without"]]
     if term["owner"]:
         words.append(f"of {term['owner']}")
+    if term.get("not_owner"):
+        words.append(f"not of {term['not_owner']}")
     if term["quantity"] is not None:
-        words.append(f"x {term['quantity']}")
+        how = {"most": "at most ", "exactly": "exactly "}.get(term.get("bound", "least"), "")
+        words.append(f"x {how}{term['quantity']}")
     if term["where"]:
         kind = ("not " * term["where"]["negated"]) + term["where"]["kind"]
         words.append(f"{kind} {_term(term['where']['object'])}")

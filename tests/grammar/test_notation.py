@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import contextlib
+from dataclasses import fields as dataclass_fields
+from dataclasses import replace
 from datetime import UTC, datetime, timedelta, timezone
 
 import pytest
@@ -12,6 +14,7 @@ from hypothesis import strategies as st
 from grammar import NotUnderstood, notation, parse
 from grammar.forms import (
     ASKS,
+    BOUNDS,
     FORMS,
     RELATION_KINDS,
     SELECTS,
@@ -49,8 +52,10 @@ def terms(draw: st.DrawFn, depth: int = 2) -> ObjectTerm:
         attributes=tuple(draw(st.lists(WORDS, max_size=3))),
         without=tuple(draw(st.lists(WORDS, max_size=2))),
         owner=draw(st.none() | WORDS),
-        quantity=draw(st.none() | st.integers(0, 99)),
+        quantity=(quantity := draw(st.none() | st.integers(0, 99))),
         where=where,
+        bound="least" if quantity is None else draw(st.sampled_from(BOUNDS)),
+        not_owner=draw(st.none() | WORDS),
     )
 
 
@@ -73,11 +78,30 @@ def queries(draw: st.DrawFn) -> FormalQuery:
         ask=draw(st.sampled_from(ASKS)),
         objects=tuple(draw(st.lists(terms(), max_size=len(VARIABLES)))),
         relation=draw(st.none() | relation),
-        place=draw(st.none() | WORDS),
+        place=(place := draw(st.none() | WORDS)),
         time=draw(st.none() | slices()),
+        outside=place is not None and draw(st.booleans()),
         select=draw(st.sampled_from(SELECTS)),
         negated=draw(st.booleans()),
     )
+
+
+@st.composite
+def changed(draw: st.DrawFn) -> tuple[FormalQuery, FormalQuery]:
+    """Draw two queries that differ in one field, of the query or of one of its objects."""
+    query, other = draw(queries()), draw(queries())
+    fields = ("form", "ask", "objects", "relation", "select", "negated")
+    field = draw(st.sampled_from((*fields, "place", "term")))
+    if field == "place":
+        return query, replace(query, place=other.place, outside=other.outside)
+    if field != "term":
+        return query, replace(query, **{field: getattr(other, field)})
+    one, another = draw(terms()), draw(terms())
+    name = draw(st.sampled_from([f.name for f in dataclass_fields(ObjectTerm) if f.name != "var"]))
+    change = {name: getattr(another, name)}
+    if name in ("quantity", "bound"):
+        change = {"quantity": another.quantity, "bound": another.bound}
+    return replace(query, objects=(one,)), replace(query, objects=(replace(one, **change),))
 
 
 def vars_unset(query: FormalQuery) -> FormalQuery:
@@ -91,6 +115,74 @@ def test_reading_what_was_written_gives_the_query_back(query: FormalQuery) -> No
     assert notation.looks_formal(written)
     assert notation.read(written, now=NOW) == query
     assert notation.write(notation.read(written, now=NOW)) == written
+
+
+@given(changed())
+def test_different_queries_have_different_notations_for_people(
+    pair: tuple[FormalQuery, FormalQuery],
+) -> None:
+    first, second = pair
+    assert (first.formal == second.formal) == (replace(first, text=second.text) == second)
+
+
+@given(slices(), slices())
+def test_different_times_have_different_notations_for_people(
+    first: TimeSlice, second: TimeSlice
+) -> None:
+    def written(time: TimeSlice) -> str:
+        return FormalQuery("", "Q3", "where", time=time).formal
+
+    def local(time: TimeSlice) -> list[datetime | None]:
+        """Return the ends as clocks show them; of two minutes of one day, without their day."""
+        ends = [m.replace(tzinfo=None) if m is not None else None for m in (time.start, time.end)]
+        days = {m.date() if m is not None else None for m in ends}
+        whole = all(m is not None and m.second == m.microsecond == 0 for m in ends)
+        if len(days) == 1 and whole:
+            return [m.replace(1, 1, 1) if m is not None else None for m in ends]
+        return ends
+
+    assert (written(first) == written(second)) == (local(first) == local(second))
+
+
+@pytest.mark.parametrize(
+    ("text", "formal"),
+    [
+        (
+            "Where did you see the pink cup between 1:00pm and 4:00pm on 1st Jan, 2020?",
+            "pink(x), cup(y), time(t) | STc.find(OIc.find(x, y), 1600 >= t >= 1300)",
+        ),
+        ("did you see a mug", 'cup(x), said(x, "mug") | OIc.find(x)'),
+        (
+            "where is the light-blue cup",
+            "light-blue(x), cup(y) | STc.find(OIc.find(x, y)) | select last",
+        ),
+        ("did you see a cup that is not red", "cup(x), not red(x) | OIc.find(x)"),
+        ("did you see Anna's cup", 'cup(x), of(x, "anna") | OIc.find(x)'),
+        ("did you see two cups", "cup(x), count(x, 2) | OIc.find(x)"),
+        ("how many cups did you see", "cup(x) | OIc.find(x) | ask count"),
+        (
+            "is there no cup in the hall",
+            "cup(x) | STc.find(OIc.find(x), in hall) | ask whether, negated",
+        ),
+        (
+            "when were the cup and the bowl together",
+            "cup(x), bowl(y) | STc.find(OIc.find(x), OIc.find(y), together)",
+        ),
+        (
+            "is the cup on the desk near the door",
+            "cup(x), desk(y), door(y1), near(y, y1) | STc.find(OIc.find(x), OIc.find(y), on) "
+            "| ask whether",
+        ),
+        (
+            "did you see the cup since yesterday",
+            "cup(x), time(t) | STc.find(OIc.find(x), t >= 2019-12-31T00:00) | ask whether",
+        ),
+    ],
+)
+def test_the_notation_for_people_says_all(text: str, formal: str) -> None:
+    query = parse(text, now=NOW)
+    assert query.formal == formal
+    assert replace(notation.read(formal, now=NOW), text=text) == query
 
 
 @given(queries())
