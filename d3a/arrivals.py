@@ -24,6 +24,8 @@ KEPT = 1024
 """Looks that are remembered at least, the latest; twice as many at most."""
 CAME_MOST = 6.0
 """Log-odds that looks before a thing was seen count for at most."""
+Spot = tuple[int, list[float]]
+"""How often a place was seen, and where it is."""
 _TIME, _EYE, _TURN, _EDGES = 0, slice(1, 4), slice(4, 13), slice(13, 17)
 """Of a row: when, where the camera was, its axes in the map, and left, right, top and bottom of
 its picture, each at a metre's distance."""
@@ -38,6 +40,9 @@ class Looked:
         self._count = 0
         self.is_open = False
         """Whether a look is going on whose first frame is known."""
+        self._told: dict[Place, tuple[Spot, list[Look]]] = {}
+        """What `_before` told of places, for as long as no look is forgotten: the same few are
+        asked of after each look, and mostly not seen in between."""
 
     def watch(self, scene: Scene, eye: Position) -> None:
         """Take in a frame; eye: where it was taken from, in the map of things."""
@@ -51,6 +56,7 @@ class Looked:
         turn = rotation(pose).ravel().tolist()
         if self._count == len(self._rows):
             self._rows[:KEPT] = self._rows[KEPT:]
+            self._told.clear()
             self._count = KEPT
         self._rows[self._count] = (scene.ref.time_ms, *eye, *turn, left, right, top, bottom)
         self._count += 1
@@ -66,13 +72,21 @@ class Looked:
         """
         said = vain = 0.0
         latest: list[Look] = []
-        for eye, time_ms in self._before(place, where):
+        for eye, time_ms in self._looks_before(place, where):
             share, latest = share_of_look(latest, eye, time_ms)
             said -= share * math.log(1 - chance(place, usual, vain))
             vain += share
             if said >= CAME_MOST:
                 return CAME_MOST
         return said
+
+    def _looks_before(self, place: Place, where: Floats) -> list[Look]:
+        """Return what `_before` does, which changes only with a view of the place."""
+        spot = place.seen, where.tolist()
+        known = self._told.get(place)
+        if known is None or known[0] != spot:
+            known = self._told[place] = spot, self._before(place, where)
+        return known[1]
 
     def _before(self, place: Place, where: Floats) -> list[Look]:
         """Return the looks that had a place in view from a side that has shown it since."""
@@ -102,7 +116,9 @@ class Looked:
         """Go on with looks that `rows` gave; is_open: whether the last of them goes on."""
         self._count, self.is_open = len(rows), is_open
         self._rows[: len(rows)] = rows
+        self._told.clear()
 
     def clear(self) -> None:
         """Forget all looks."""
         self._count, self.is_open = 0, False
+        self._told.clear()

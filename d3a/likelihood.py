@@ -108,6 +108,10 @@ class LookModel:
     def sums(self, sums: Floats) -> None:
         self._sums = sums.tolist()
 
+    def mean(self, kind: int) -> float:
+        """Return how alike such pairs are on average, of looks of as many views as there are."""
+        return self._sums[-1][kind][1]
+
     def add(self, kind: int, likeness: float, views: float) -> None:
         """Learn from a pair; views: of the mean look. kind: SAME, OTHER or BESIDE."""
         row = self._sums[bisect(LOOK_BINS, views)][kind]

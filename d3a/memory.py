@@ -103,8 +103,8 @@ class Looks:
         """Return the mean feature (d,), None without a picture."""
         return np.array(self._matrix[thing.row]) if thing.look_weight > 0 else None
 
-    def add(self, thing: Known, look: NDArray[np.float32] | None, weight: float) -> None:
-        """Add a thing with the look of `weight` views, or without one."""
+    def add(self, thing: Known) -> None:
+        """Add a thing without a look."""
         thing.row = len(self.owners)
         self.owners.append(thing)
         if len(self.owners) > len(self._matrix):
@@ -112,8 +112,6 @@ class Looks:
         if self._matrix.shape[1]:
             self._put(thing.row, 0.0)
         thing.look_weight = 0.0
-        if look is not None:
-            self.put(thing, look, weight)
 
     def blend(self, thing: Known, look: NDArray[np.float32], weight: float, most: float) -> None:
         """Average a look in, as if the mean so far were of `most` views at most."""
@@ -160,12 +158,41 @@ class Memory:
         self.looks = Looks()
         self._asleep: dict[int, Sleeper] = {}
         """By number, what left first before."""
+        self._of_kind: dict[str, dict[int, Known]] = {}
+        self._kind_of: dict[int, str] = {}
+        self._touched: set[int] = set()
+        """Things whose category may not be the one they are found under, by number."""
+
+    def touch(self, thing: Known) -> None:
+        """Note that a thing came, left or was named, so that its category may be another now."""
+        self._touched.add(thing.number)
+
+    def of_kind(self, category: str) -> list[Known]:
+        """Return the things of a category, by number."""
+        for number in self._touched:
+            was = self._kind_of.pop(number, None)
+            if was is not None:
+                del self._of_kind[was][number]
+            thing = self.things.get(number)
+            if thing is not None:
+                self._kind_of[number] = thing.category
+                self._of_kind.setdefault(thing.category, {})[number] = thing
+        self._touched.clear()
+        known = self._of_kind.get(category, {})
+        return [known[number] for number in sorted(known)]
+
+    def add(self, thing: Known) -> None:
+        """Take in a thing, whose look and places are to follow."""
+        self.things[thing.number] = thing
+        self.looks.add(thing)
+        self.touch(thing)
 
     def remove(self, thing: Known) -> None:
         """Forget a thing."""
         self.positions.remove(_placed(thing))
         self.looks.remove(thing)
         del self.things[thing.number]
+        self.touch(thing)
 
     def lay(self, things: Sequence[Known]) -> list[Sleeper]:
         """Put things to sleep."""
@@ -174,6 +201,7 @@ class Memory:
         for each in slept:
             del self.things[each.thing.number]
             self._asleep[each.thing.number] = each
+            self.touch(each.thing)
         return slept
 
     def _with_rows(self, things: Sequence[Known]) -> list[Sleeper]:
@@ -188,6 +216,7 @@ class Memory:
         """Take in again what sleeps under some numbers."""
         woken = [self._asleep.pop(number) for number in numbers]
         self.things |= {each.thing.number: each.thing for each in woken}
+        self._touched.update(each.thing.number for each in woken)
         self.positions.put_back([(e.thing, place, row) for e in woken for place, row in e.rows])
         return [each.thing for each in woken]
 

@@ -59,12 +59,10 @@ def memory_of_state(memory: Memory, record: Json, arrays: Arrays, parameters: Pa
     row = 0
     for i, each in enumerate(record["things"]):
         thing = _thing(each)
-        memory.things[thing.number] = thing
         weight = thing.look_weight
-        look = arrays["looks"][i] if weight > 0 else None
-        memory.looks.add(thing, None, 0.0)
-        if look is not None:
-            memory.looks.put(thing, look, weight)
+        memory.add(thing)
+        if weight > 0:
+            memory.looks.put(thing, arrays["looks"][i], weight)
         for place_record in each["places"]:
             place = _place(place_record)
             thing.places.append(place)

@@ -165,6 +165,7 @@ def _join(kept: Known, gone: Known, memory: Memory, parameters: Parameters) -> N
     _join_positions(place, lost, memory, parameters)
     for category, weight in gone.votes.items():
         kept.vote(category, weight)
+    memory.touch(kept)
     look = memory.looks.of(gone)
     if look is not None:
         memory.looks.blend(kept, look, gone.look_weight, parameters.looks_remembered)

@@ -10,6 +10,7 @@ does, is right once in ten times.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -20,7 +21,7 @@ from d3a.arrivals import CAME_MOST
 from d3a.known import Known, Place
 from d3a.ledger import Ledger
 from d3a.likelihood import SAME, LookModel
-from d3a.look_space import LookSpace
+from d3a.look_space import LookSpace, cosines
 from d3a.memory import Memory
 from d3a.parameters import Parameters
 from d3a.sightings import Became, entry_name
@@ -44,8 +45,10 @@ LOOK_LEAST = -1.0
 PLAIN_LOOK, LEFT_LEAST = 3.0, 3.0
 """A look whose log-odds tell a thing from all others of its category; and log-odds of its absence
 from which a thing may be elsewhere, whatever it looks like. A link needs one of them."""
-Pair = tuple[Known, Known, Place]
-"""What may be a move: what turned up, what left, and the place that it left."""
+Pair = tuple[Known, int]
+"""What may be a move: what turned up, and where in `Kind.lasts` what left is."""
+Came = Callable[[Known], float]
+"""Log-odds that what turned up was brought while the robot was about."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,22 +64,17 @@ class Link:
 class Kind:
     """A category while its moves are looked for.
 
-    things: its confirmed ones; fresh: those of them that turned up. density: how dense different
-    ones lie at likenesses (BINS,). came: what is known of arrivals, by number, as it is asked for.
+    lasts: its confirmed things by number, with the place that each was seen at last; fresh: those
+    that turned up. looks: by number of a fresh one, the log-odds of its look against those of
+    `lasts`. brought: log-odds that a certain one of `lasts` came. arrivals: what is known of them,
+    by number, as it is asked for.
     """
 
-    things: list[Known]
+    lasts: list[tuple[Known, Place]]
     fresh: list[Known]
-    density: list[float]
-    came: dict[int, float] = field(default_factory=dict)
-
-
-@dataclass(frozen=True, slots=True)
-class Told:
-    """What is known of a pair. look: log-odds of the looks alone; odds: of all that is known."""
-
-    look: float
-    odds: float
+    looks: dict[int, list[float]]
+    brought: float
+    arrivals: dict[int, float] = field(default_factory=dict)
 
 
 class Moves:
@@ -99,7 +97,7 @@ class Moves:
         """By category (BINS,): how often two different things of it were so much alike."""
         self.compared: set[int] = set()
         """Numbers of the things that `others` has learned from."""
-        self._dense: dict[str, list[float]] = {}
+        self._dense: dict[str, Floats] = {}
         """What `_densities` has told by category, until more is learned."""
 
     def find(self, changed: set[int]) -> list[Link]:
@@ -108,116 +106,131 @@ class Moves:
         changed: numbers of the things that were seen, or missed, since the last call; a move has
         one of them at either end. By the numbers of the new and the old.
         """
-        of_kind = self._alike(changed)
-        fresh = {kind: [t for t in each if _is_unexplained(t)] for kind, each in of_kind.items()}
-        for kind, news in fresh.items():
-            self._compare([new for new in news if new.number not in self.compared], of_kind[kind])
+        of_kind = {
+            kind: [thing for thing in self._memory.of_kind(kind) if self._is_confirmed(thing)]
+            for kind in self._kinds(changed)
+        }
+        fresh_of = {kind: [t for t in each if _is_unexplained(t)] for kind, each in of_kind.items()}
+        for name, news in fresh_of.items():
+            self._compare([new for new in news if new.number not in self.compared], of_kind[name])
         links: list[Link] = []
-        for kind, each in of_kind.items():
+        for name, things in of_kind.items():
+            fresh, lasts = fresh_of[name], [(thing, thing.latest) for thing in things]
             pairs = [
-                (new, old, place)
-                for old in each
-                if (place := old.latest).misses > 0
-                for new in fresh[kind]
+                (new, k)
+                for k, (old, place) in enumerate(lasts)
+                if place.misses > 0
+                for new in fresh
                 if place.last_ms < new.first_ms
                 and new is not old
                 and (new.number in changed or old.number in changed)
             ]
             if pairs:
-                links += self._links(pairs, Kind(each, fresh[kind], self._densities(kind)))
+                # Any other of the category may have come, or one that is not known.
+                brought = self._parameters.move_odds - math.log(len(things) - 1)
+                kind = Kind(lasts, fresh, self._looks_of(fresh, things, name), brought)
+                links += [link for pair in pairs if (link := self._link(kind, *pair)) is not None]
         return sorted(links, key=lambda link: (link.new.number, link.old.number))
 
-    def _alike(self, changed: set[int]) -> dict[str, list[Known]]:
-        """Return all confirmed things of the categories of the changed ones, by category."""
-        least, things = self._parameters.confirm_sightings, self._memory.things
-        kinds = {things[n].category for n in changed if n in things and things[n].seen >= least}
-        of_kind: dict[str, list[Known]] = {kind: [] for kind in sorted(kinds)}
-        if kinds:
-            for thing in things.values():
-                if thing.seen >= least and (each := of_kind.get(thing.category)) is not None:
-                    each.append(thing)
-        return of_kind
+    def _is_confirmed(self, thing: Known) -> bool:
+        return thing.seen >= self._parameters.confirm_sightings
 
-    def _links(self, pairs: list[Pair], kind: Kind) -> list[Link]:
-        """Return the plain ones of the pairs, against all that either end may be instead."""
-        least = self._parameters.move_probability
-        links = []
-        for (new, old, place), told in zip(pairs, self._told(pairs, kind), strict=True):
-            if told.odds * (1.0 - least) < least:
-                continue  # whatever the rivals are, it is not plain: nearly all pairs end here
-            left = place.evidence >= LEFT_LEAST and old.seen >= SURE_SEEN
-            if not left and told.look < PLAIN_LOOK:
-                continue
-            # what nobody looked for may have left too
-            lasts = [(o, o.latest) for o in kind.things if o is not new]
-            rivals = [(new, o, p) for o, p in lasts if p.last_ms < new.first_ms]
-            rivals += [
-                (n, old, place) for n in kind.fresh if place.last_ms < n.first_ms and n is not old
-            ]
-            others = sum(rival.odds for rival in self._told(rivals, kind))
-            chance = told.odds / (1.0 + others - told.odds)  # it is in both lists
-            if chance >= least:
-                links.append(Link(old, new, chance))
-        return links
+    def _kinds(self, changed: set[int]) -> list[str]:
+        """Return the categories of the confirmed ones of the changed things."""
+        known = (self._memory.things.get(number) for number in changed)
+        return sorted({t.category for t in known if t is not None and self._is_confirmed(t)})
 
-    def _told(self, pairs: list[Pair], kind: Kind) -> list[Told]:
-        """Return what is known of pairs (n,), one by one: there are three or four of them."""
-        parameters = self._parameters
-        # Any other of the category may have come, or one that is not known.
-        brought = parameters.move_odds - math.log(len(kind.things) - 1)
-        found = []
-        for new, old, place in pairs:
-            look = self._look(new, old, kind.density)
-            if look < LOOK_LEAST:
-                found.append(Told(look, 0.0))
-                continue
-            odds, prior = look + min(place.evidence, GONE_MOST), brought
-            if odds + prior > -CAME_MOST:  # else it is neither a link, nor much of a rival to one
-                if new.number not in kind.came:
-                    kind.came[new.number] = self._absence.came(new.places[0])
-                prior += kind.came[new.number]
-            if look >= PLAIN_LOOK:
-                prior = max(prior, parameters.alike_odds)
-            found.append(Told(look, math.exp(min(odds + prior, 50.0))))
-        return found
+    def _link(self, kind: Kind, new: Known, k: int) -> Link | None:
+        """Return the move to a fresh thing from the last place of `lasts[k]`, if it is plain.
 
-    def _look(self, new: Known, old: Known, density: list[float]) -> float:
-        """Return the log-odds of the looks of two things, minus infinity where one is unknown."""
-        if new.look_weight == 0 or old.look_weight == 0:
-            return -math.inf
-        looks = self._memory.looks
+        Against all that either end may be instead. What may be known of arrivals is dear, and
+        nearly no move is plain at its best, so the best that it can be is asked for first.
+        """
+        old, place = kind.lasts[k]
+        least, look = self._parameters.move_probability, kind.looks[new.number][k]
+        if self._odds(kind, new, k, _surely_brought) * (1.0 - least) < least:
+            return None
+        left = place.evidence >= LEFT_LEAST and old.seen >= SURE_SEEN
+        if not left and look < PLAIN_LOOK:
+            return None
+        # what nobody looked for may have left too
+        rivals = [
+            (new, j) for j, (other, at) in enumerate(kind.lasts)
+            if at.last_ms < new.first_ms and j != k and other is not new
+        ] + [
+            (each, k) for each in kind.fresh
+            if place.last_ms < each.first_ms and each is not old and each is not new
+        ]  # fmt: skip
+        if self._chance(kind, (new, k), rivals, _surely_brought, _never_brought) < least:
+            return None
+
+        def came(thing: Known) -> float:
+            if thing.number not in kind.arrivals:
+                kind.arrivals[thing.number] = self._absence.came(thing.places[0])
+            return kind.arrivals[thing.number]
+
+        chance = self._chance(kind, (new, k), rivals, came, came)
+        return Link(old, new, chance) if chance >= least else None
+
+    def _chance(
+        self, kind: Kind, pair: Pair, rivals: list[Pair], came: Came, others_came: Came
+    ) -> float:
+        """Return how likely a pair is a move, and no rival is."""
+        own = self._odds(kind, *pair, came)
+        return own / (1.0 + own + sum(self._odds(kind, *each, others_came) for each in rivals))
+
+    def _odds(self, kind: Kind, new: Known, k: int, came: Came) -> float:
+        """Return the odds that a fresh thing is that of `lasts[k]`, moved; it rises with `came`."""
+        look = kind.looks[new.number][k]
+        if look < LOOK_LEAST:
+            return 0.0
+        odds, prior = look + min(kind.lasts[k][1].evidence, GONE_MOST), kind.brought
+        if odds + prior > -CAME_MOST:  # else it is neither a link, nor much of a rival to one
+            prior += came(new)
+        if look >= PLAIN_LOOK:
+            prior = max(prior, self._parameters.alike_odds)
+        return math.exp(min(odds + prior, 50.0))
+
+    def _looks_of(
+        self, fresh: list[Known], things: list[Known], kind: str
+    ) -> dict[int, list[float]]:
+        """Return the log-odds of the looks of things, by number of a fresh one and in their order.
+
+        Minus infinity where one is unknown.
+        """
+        if self._memory.looks.length == 0:
+            return {new.number: [-math.inf] * len(things) for new in fresh}
+        units = self._memory.looks.units(things, self._space)
+        known = np.array([thing.look_weight > 0 for thing in things])
+        row = {thing.number: k for k, thing in enumerate(things)}
+        at = np.array([row[new.number] for new in fresh])
+        likeness = cosines(units[at], units, np.arange(len(things)))
         # Means vary less than the views that are compared with them.
-        usual = math.sqrt(max(float(self._looks.sums[-1, SAME, 1]), 0.0))
-        likeness = float(looks.unit(new, self._space) @ looks.unit(old, self._space))
-        return math.log(_same(likeness - usual) / density[_bin(likeness)])
+        usual = math.sqrt(max(self._looks.mean(SAME), 0.0))
+        told = np.log(_same(likeness - usual) / self._densities(kind)[_bins(likeness)])
+        told[~(known[at][:, None] & known)] = -math.inf
+        return dict(zip((new.number for new in fresh), told.tolist(), strict=True))
 
-    def _likeness(self, one: Known, others: list[Known]) -> list[float]:
+    def _likeness(self, one: Known, others: list[Known]) -> Floats:
         """Return the cosines of a thing with those of some others whose looks are known."""
         known = [other for other in others if other.look_weight > 0]
         if one.look_weight == 0 or not known:
-            return []
+            return np.empty(0)
         looks = self._memory.looks
-        alike = looks.units(known, self._space) @ looks.unit(one, self._space)
-        return [float(each) for each in alike]
+        return np.asarray(looks.units(known, self._space) @ looks.unit(one, self._space))
 
     def _compare(self, fresh: list[Known], confirmed: list[Known]) -> None:
         """Learn from those that were seen elsewhere since: they are other things."""
         for new in fresh:
             self.compared.add(new.number)
-            others = [
-                other
-                for other in confirmed
-                if other.category == new.category
-                and other.last_ms >= new.first_ms
-                and other is not new
-            ]
+            others = [o for o in confirmed if o.last_ms >= new.first_ms and o is not new]
             if others:
                 self._dense.clear()
                 counts = self.others.setdefault(new.category, [0.0] * BINS)
-                for likeness in self._likeness(new, others):
-                    counts[_bin(likeness)] += 1.0
+                for k in _bins(self._likeness(new, others)).tolist():
+                    counts[k] += 1.0
 
-    def _densities(self, kind: str) -> list[float]:
+    def _densities(self, kind: str) -> Floats:
         """Return how dense different things of a category lie at likenesses (BINS,).
 
         From there up, smoothed. Chairs of a set look alike, and say little of the cups: what is
@@ -233,7 +246,7 @@ class Moves:
         pairs = usual * (OTHER_PRIOR / usual.sum()) + np.array(self.others.get(kind, 0.0))
         above = pairs[::-1].cumsum()[::-1]
         first = np.maximum(np.arange(BINS) - 1, 0)
-        density: list[float] = (above[first] / above[0] / ((BINS - first) * 2 / BINS)).tolist()
+        density = np.asarray(above[first] / above[0] / ((BINS - first) * 2 / BINS))
         self._dense[kind] = density
         return density
 
@@ -244,21 +257,29 @@ def _assumed() -> Floats:
     return np.asarray(OTHER_PRIOR * bell / bell.sum())
 
 
-def _same(above: float) -> float:
+def _surely_brought(_: Known) -> float:
+    return CAME_MOST
+
+
+def _never_brought(_: Known) -> float:
+    return 0.0
+
+
+def _same(above: Floats) -> Floats:
     """Return how dense the looks of a thing at two places lie so much above what is usual."""
-    alike = _bell(min(above, 0.0), SAME_SIGMA)
+    alike = _bell(np.minimum(above, 0.0), SAME_SIGMA)
     light = _bell(above + LIGHT_LESS, LIGHT_SIGMA)
     follow = (1 - LIGHT_SHARE) * alike + LIGHT_SHARE * light
-    return (1 - SAME_OUTLIERS) * follow + SAME_OUTLIERS / 2
+    return np.asarray((1 - SAME_OUTLIERS) * follow + SAME_OUTLIERS / 2)
 
 
-def _bell(away: float, sigma: float) -> float:
-    return math.exp(-((away / sigma) ** 2) / 2) / (sigma * math.sqrt(2 * math.pi))
+def _bell(away: Floats, sigma: float) -> Floats:
+    return np.asarray(np.exp(-((away / sigma) ** 2) / 2) / (sigma * math.sqrt(2 * math.pi)))
 
 
-def _bin(likeness: float) -> int:
-    """Return the bin of a likeness."""
-    return min(max(int((likeness + 1.0) / 2.0 * BINS), 0), BINS - 1)
+def _bins(likeness: Floats) -> NDArray[np.intp]:
+    """Return the bins of likenesses, alike shaped."""
+    return np.asarray(((likeness + 1.0) / 2.0 * BINS).astype(np.intp).clip(0, BINS - 1))
 
 
 def _is_unexplained(thing: Known) -> bool:
@@ -301,6 +322,7 @@ def _merge(old: Known, new: Known, memory: Memory, parameters: Parameters) -> No
     place = new.places.pop()
     for category, weight in new.votes.items():
         old.vote(category, weight)
+    memory.touch(old)
     old.weight += new.weight
     old.seen += new.seen
     old.last_ms = max(old.last_ms, new.last_ms)

@@ -320,11 +320,10 @@ class Recall:
             names=record.names,
             dirty=False,
         )
-        self._memory.things[thing.number] = thing
-        look = None
+        self._memory.add(thing)
         if record.embedding is not None:
             look = likelihood.feature(record.embedding, self._is_histogram)
-        self._memory.looks.add(thing, look, record.weight)
+            self._memory.looks.put(thing, look, record.weight)
         return thing
 
     @staticmethod

@@ -114,8 +114,7 @@ class TrackerPipeline:
         self._singles.born()
         place = Place(0, ref.time_ms, ref.time_ms)
         thing.places.append(place)
-        self._memory.things[thing.number] = thing
-        self._memory.looks.add(thing, None, 0.0)
+        self._memory.add(thing)
         return thing, place
 
     def _settle(self, thing: Known, place: Place, observed: Observed, i: int) -> None:
@@ -152,6 +151,7 @@ class TrackerPipeline:
             each.last_ms = max(each.last_ms, ref.time_ms)
             each.first_ms = min(each.first_ms, ref.time_ms)
         thing.dirty = True
+        self._memory.touch(thing)
         key = (thing.object_id, place.number)
         self._grow(place, ref, detection, key)
         name = entry_name(key)

@@ -79,6 +79,18 @@ def test_looks_that_could_not_have_shown_it_say_nothing(other: Scene) -> None:
     assert looked.came(brought(), WHERE, 0.6) == 0.0
 
 
+def test_what_looks_said_is_asked_anew_once_the_place_was_seen_again() -> None:
+    looked, place = Looked(DEFAULT), brought()
+    look(looked, scene(0))
+    look(looked, scene(HOUR_MS, (-0.9, 0.0, 0.0)))
+    once = looked.came(place, WHERE, 0.6)
+    assert looked.came(place, WHERE, 0.6) == once
+    place.seen_from.append((-0.9, 0.0, 0.0))
+    place.seen += 1
+    assert looked.came(place, WHERE, 0.6) > once
+    assert looked.came(place, WHERE + 9.0, 0.6) == 0.0
+
+
 def test_looks_from_one_side_at_one_time_are_hardly_more_than_one() -> None:
     close, apart = Looked(DEFAULT), Looked(DEFAULT)
     for n in range(3):
@@ -113,8 +125,8 @@ def test_a_look_that_goes_on_is_one_after_a_restart_too() -> None:
 def placed(memory: Memory, number: int, look: list[float], place: Place) -> Known:
     thing = Known(number, {"bag": 1.0}, place.first_ms, place.last_ms, seen=9)
     thing.places.append(place)
-    memory.things[number] = thing
-    memory.looks.add(thing, np.array(look, dtype=np.float32), 9.0)
+    memory.add(thing)
+    memory.looks.put(thing, np.array(look, dtype=np.float32), 9.0)
     memory.positions.add(thing, place, WHERE, WHERE, np.eye(3) * 0.01)
     memory.positions.respread([place.row], DEFAULT)
     return thing

@@ -75,13 +75,14 @@ def test_things_that_sleep_keep_all_their_numbers() -> None:
     for number in range(80):  # more than fit at first
         thing = Known(number, {"cup": 1.0}, 0, 0)
         thing.places = [Place(k, 0, 0) for k in range(1 + number % 3)]
-        memory.things[number] = thing
-        memory.looks.add(thing, colour(number), 2.0)
+        memory.add(thing)
+        memory.looks.put(thing, colour(number), 2.0)
         for place in thing.places:
             mean, raw = rng.normal(size=(2, 3))
             memory.positions.add(thing, place, mean, raw, np.diag(rng.uniform(0.1, 1, 3)))
             memory.positions.respread([place.row], DEFAULT)
     before = {whole.thing.number: whole for whole in memory.wholes()}
+    kinds = ("bowl", "cup", "mug")
     for _ in range(20):  # they leave and come in any order
         laid = rng.permutation(80)[:30].tolist()
         memory.lay([memory.things[number] for number in laid])
@@ -92,6 +93,12 @@ def test_things_that_sleep_keep_all_their_numbers() -> None:
         assert all(p.row == where[t.number, p.number] for t, p in memory.positions.owners)
         assert_same(before, memory)
         memory.wake(rng.permutation(laid).tolist())
+        for number in rng.permutation(80)[:9].tolist():
+            memory.things[number].vote(kinds[number % 3], 2.0)
+            memory.touch(memory.things[number])
+        for kind in kinds:
+            of_kind = [n for n, thing in sorted(memory.things.items()) if thing.category == kind]
+            assert [thing.number for thing in memory.of_kind(kind)] == of_kind
     memory.lay([memory.things[7], memory.things[41]])
     memory.forget_sleepers([41])
     assert len(memory.looks.owners) == 79

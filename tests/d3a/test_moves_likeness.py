@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from d3a.absence import Absence
+from d3a.arrivals import CAME_MOST
 from d3a.known import Known, Place
 from d3a.likelihood import LookModel
 from d3a.look_space import LookSpace
 from d3a.memory import Memory
-from d3a.moves import BINS, Moves
+from d3a.moves import BINS, LEFT_LEAST, PLAIN_LOOK, Kind, Moves
 from d3a.parameters import DEFAULT
 
+LEAST = DEFAULT.move_probability
 ALIKE, UNLIKE = int(0.95 * BINS), int(0.6 * BINS)
 
 
@@ -50,8 +56,8 @@ def test_a_category_without_pairs_of_its_own_takes_what_is_usual() -> None:
 def _thing(memory: Memory, number: int, look: list[float], first_ms: int, last_ms: int) -> Known:
     thing = Known(number, {"bag": 1.0}, first_ms, last_ms, seen=9)
     thing.places.append(Place(0, first_ms, last_ms, seen=9))
-    memory.things[number] = thing
-    memory.looks.add(thing, np.array(look, dtype=np.float32), 9.0)
+    memory.add(thing)
+    memory.looks.put(thing, np.array(look, dtype=np.float32), 9.0)
     return thing
 
 
@@ -89,6 +95,51 @@ def test_what_is_learned_of_others_counts_at_once() -> None:
     old = _thing(memory, 0, [1.0, 0.0, 0.0], 0, 3000)
     new = _thing(memory, 1, [1.0, 0.0, 0.0], 1000, 3000)
     before = moves._densities("bag")
-    assert moves._densities("bag") == before
+    assert np.array_equal(moves._densities("bag"), before)
     moves._compare([new], [old, new])  # both were seen since: two of them look just alike
     assert moves._densities("bag")[-1] > before[-1]
+
+
+def _plain(moves: Moves, came: dict[int, float]) -> list[tuple[int, int]]:
+    """Return the moves by the definition alone: every pair against every rival of it."""
+    things = moves._memory.of_kind("bag")
+    kind = Kind(
+        lasts=[(thing, thing.latest) for thing in things],
+        fresh=things,
+        looks=moves._looks_of(things, things, "bag"),
+        brought=DEFAULT.move_odds - math.log(len(things) - 1),
+    )
+    odds = {
+        (new.number, old.number): moves._odds(kind, new, k, lambda thing: came[thing.number])
+        for new in things
+        for k, (old, place) in enumerate(kind.lasts)
+        if new is not old and place.last_ms < new.first_ms
+    }
+    found = []
+    for (new, old), own in odds.items():
+        k = next(k for k, thing in enumerate(things) if thing.number == old)
+        sure = kind.lasts[k][1].evidence >= LEFT_LEAST or kind.looks[new][k] >= PLAIN_LOOK
+        others = sum(each for (n, o), each in odds.items() if (n == new) != (o == old))
+        if sure and kind.lasts[k][1].misses and own / (1 + own + others) >= LEAST:
+            found.append((new, old))
+    return sorted(found)
+
+
+@settings(max_examples=60, deadline=None)
+@given(seed=st.integers(0, 10_000))
+def test_the_moves_are_those_that_every_rival_leaves_plain(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    moves = _moves({"bag": _pairs(UNLIKE, 30.0)})
+    came = {}
+    for number in range(int(rng.integers(2, 7))):
+        look = np.eye(3)[rng.integers(3)] + rng.uniform(0.0, 0.4, 3)
+        first = int(rng.integers(0, 4)) * 1000
+        thing = _thing(moves._memory, number, look.tolist(), first, first + 500)
+        place, came[number] = thing.places[0], float(rng.uniform(0, CAME_MOST))
+        place.misses, place.evidence = int(rng.integers(0, 3)), float(rng.uniform(0, 9))
+        moves.compared.add(number)
+    numbers = {id(thing.places[0]): thing.number for thing in moves._memory.of_kind("bag")}
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(moves._absence, "came", lambda place: came[numbers[id(place)]])
+        found = [(link.new.number, link.old.number) for link in moves.find(set(came))]
+    assert found == _plain(moves, came)
