@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from assistant.conditions import gathered_words
 from assistant.english import listed, number_word, times
 from assistant.phrases import (
     SCORE_OF_WORD,
@@ -46,7 +47,7 @@ def sureness(answer: Answer, query: FormalQuery) -> str:
     said = "This is a guess" if band == "a guess" else f"I am {band}"
     rivals = [k for k in heads_of(answer)[1:] if k.object_id != best.object_id]
     close = [k for k in rivals if k.score >= 0.8 * best.score]
-    if query.ask == "where" and close:
+    if query.ask == "where" and close and not gathered_words(answer, query):
         return _others(len({k.object_id for k in close}), said_many(query, term_of(query)))
     return f"{said}: {_seen(answer, query, best)}."
 

@@ -25,14 +25,6 @@ from grammar.forms import ANYTHING, FormalQuery, ObjectTerm
 from grammar.nountags import KIN, ON_PLACES
 from grammar.phrases import BARE_PLACES
 
-_RELATIONS = {
-    "together": "with",
-    "near": "next to",
-    "in_front_of": "in front of",
-    "left_of": "left of",
-    "right_of": "right of",
-    "same_place": "in the same place as",
-}
 _ALL = frozenset({"everybody", "everyone"})
 _ROOMY = ("room", " area", " corner", " wing", " zone", " floor")
 SCORE_OF_WORD = 0.86
@@ -177,65 +169,6 @@ def numbered(
     noun = noun or noun_of(term)
     many = term.category != ANYTHING and said_many(query, term)
     return described(term, unjudged, noun=plural(noun) if many else noun)
-
-
-def condition_words(answer: Answer, query: FormalQuery) -> str:
-    """Return relation and place of the question, as far as they were judged: " on the table"."""
-    related = _related_words(answer, query)
-    grounds = {term.word for term in query.objects[1:]} if related else set()
-    if query.place is None or plain_place(query.place) in grounds:
-        return related  # under the desk: at which desk goes without saying
-    if f"in the {query.place}" in answer.unjudged:
-        return related
-    absent = query.negated and query.relation is None and query.ask != "whether"
-    place = f" {'not ' if absent else ''}{asked_place(query, query.place)}"
-    # not on the counter in the kitchen would deny the kitchen too
-    return f"{place} but{related}" if related and _is_denied(query) else f"{related}{place}"
-
-
-def _is_denied(query: FormalQuery) -> bool:
-    """Whether what was found is what the relation does not hold of: the cups without a bowl.
-
-    A whether that is denied as a whole looked for what it denies: that was found with it.
-    """
-    denied = query.relation is not None and query.relation.negated
-    return denied != (query.negated and query.ask != "whether")
-
-
-def _related_words(answer: Answer, query: FormalQuery) -> str:
-    if query.relation is None or len(query.objects) < 2:
-        return ""
-    grounds = query.objects[1:]
-    plain = f"the {described(grounds[-1])}"
-    if any(condition.endswith(plain) for condition in answer.unjudged):
-        return ""
-    kind = _RELATIONS.get(query.relation.kind, query.relation.kind)
-    told = [
-        definite(term, numbered(query, term, answer.unjudged)) + _where_it_was(answer, query, term)
-        for term in grounds
-    ]
-    kind = _denied_kind(kind) if _is_denied(query) else kind
-    described_by = _where_it_was(answer, query, term_of(query))
-    return f" {kind} {listed(told)}{described_by}"
-
-
-def _denied_kind(kind: str) -> str:
-    """Return the words of a relation that does not hold: without, not on."""
-    return "without" if kind == "with" else f"not {kind}"
-
-
-def _where_it_was(answer: Answer, query: FormalQuery, term: ObjectTerm) -> str:
-    """Return what else was said of where an object of the question was: " with the bowl"."""
-    if term.where is None:
-        return ""
-    inner = term.where.object
-    plain = f"the {described(inner)}"
-    if any(condition.endswith(plain) for condition in answer.unjudged):
-        return ""
-    kind = _RELATIONS.get(term.where.kind, term.where.kind)
-    thing = definite(inner, numbered(query, inner, answer.unjudged))
-    kind = _denied_kind(kind) if term.where.negated else kind
-    return f" {kind} {thing}{_where_it_was(answer, query, inner)}"
 
 
 def plain_place(name: str) -> str:

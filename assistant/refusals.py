@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from datetime import datetime
 
+from assistant.conditions import condition_words, gathered_words
 from assistant.english import (
     all_of,
     article,
@@ -17,7 +18,6 @@ from assistant.english import (
 from assistant.forced import not_taught
 from assistant.phrases import (
     asked_place,
-    condition_words,
     definite,
     described,
     gone_words,
@@ -132,6 +132,8 @@ def _none_of(answer: Answer, query: FormalQuery, term: ObjectTerm) -> str:
     """Return what was not seen: "anything", "your keys", "an orange bowl", "keys"."""
     if term.category == ANYTHING:
         return "anything"
+    if term == term_of(query) and (together := gathered_words(answer, query)):
+        return together
     words = numbered(query, term, answer.unjudged)
     if query.ask in _OF_A_KNOWN_THING and answer.otherwise is not None:
         return definite(term, words)

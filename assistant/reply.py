@@ -12,6 +12,7 @@ from dataclasses import replace
 from datetime import datetime
 
 from assistant.caveats import is_open, left_out, sureness
+from assistant.conditions import condition_words, gathered_words
 from assistant.english import (
     article,
     clock,
@@ -27,7 +28,6 @@ from assistant.english import (
 )
 from assistant.forced import as_judged, not_judged
 from assistant.phrases import (
-    condition_words,
     definite,
     described,
     found_words,
@@ -91,7 +91,9 @@ def _whether(answer: Answer, query: FormalQuery, now: datetime) -> str:
     heads, newest = likely_of(answer), newest_of(answer)
     said, last = when(newest.end, now), _last(answer, query, now)
     opening = _yes(answer, query)
-    if term.quantity is not None:
+    if together := gathered_words(answer, query):
+        thing = together
+    elif term.quantity is not None:
         words = counted(answer.count, described(term, answer.unjudged))
         if answer.count < term.quantity:
             return f"No. I saw only {words}{condition}, {last}."
@@ -139,7 +141,7 @@ def _where(answer: Answer, query: FormalQuery, now: datetime) -> str:
         return _where_then(answer, query, at, now)
     if query.relation is None and len(query.objects) > 1:
         return _where_each(answer, query, now)
-    words = f"{definite(term, found_words(answer, query))}{condition_words(answer, query)}"
+    words = _the_thing(answer, query)
     where, last = where_words(best, query), "last " if query.select == "last" else ""
     first = "first " if query.select == "first" else ""
     many = said_many(query, term)
@@ -231,7 +233,7 @@ def _is_of(keyframe: RankedKeyframe, term: ObjectTerm) -> bool:
 
 
 def _when(answer: Answer, query: FormalQuery, now: datetime) -> str:
-    thing = definite(term_of(query), found_words(answer, query)) + condition_words(answer, query)
+    thing = _the_thing(answer, query)
     heads, best = likely_of(answer), answer.keyframes[0]
     there = there_words(best, query)
     if query.select in ("last", "first"):
@@ -248,6 +250,13 @@ def _when(answer: Answer, query: FormalQuery, now: datetime) -> str:
     newest = when(newest_of(answer).end, now)
     opening = f"I saw {thing} {more}"
     return f"{opening}, first {day_of(first, now)} at {clock(first)} and last {newest}."
+
+
+def _the_thing(answer: Answer, query: FormalQuery) -> str:
+    """Return what is told of, with where it was: "the cup on the table", "two cups together"."""
+    words = gathered_words(answer, query)
+    words = words or definite(term_of(query), found_words(answer, query))
+    return words + condition_words(answer, query)
 
 
 def _what(answer: Answer, query: FormalQuery, now: datetime) -> str:
@@ -293,9 +302,9 @@ def _last(answer: Answer, query: FormalQuery, now: datetime, seen: str = "") -> 
 
 
 def _count(answer: Answer, query: FormalQuery, now: datetime) -> str:
-    words = described(term_of(query), answer.unjudged)
-    said = sentence_case(counted(answer.count, words))
-    if answer.least < answer.count:
+    words, together = described(term_of(query), answer.unjudged), gathered_words(answer, query)
+    said = sentence_case(together or counted(answer.count, words))
+    if answer.least < answer.count and not together:
         said = f"At least {counted(answer.least, words)} and at most {number_word(answer.count)}"
     last = _last(answer, query, now, "seen ")
     once = sum(1 for k in heads_of(answer) if "tentative" in k.why)
@@ -305,7 +314,7 @@ def _count(answer: Answer, query: FormalQuery, now: datetime) -> str:
 
 
 def _how_long(answer: Answer, query: FormalQuery, now: datetime) -> str:
-    thing = definite(term_of(query), found_words(answer, query)) + condition_words(answer, query)
+    thing = _the_thing(answer, query)
     seconds, last = answer.value or 0.0, _last(answer, query, now)
     if seconds < 1:
         return f"I saw {thing} only in passing, {last.removeprefix('last ')}."
@@ -313,7 +322,7 @@ def _how_long(answer: Answer, query: FormalQuery, now: datetime) -> str:
 
 
 def _how_often(answer: Answer, query: FormalQuery, now: datetime) -> str:
-    thing = definite(term_of(query), found_words(answer, query)) + condition_words(answer, query)
+    thing = _the_thing(answer, query)
     often = sentence_case(occasions(round(answer.value or 0)))
     last = _last(answer, query, now, f"saw {thing} ")
     return f"{often}. I {last}."

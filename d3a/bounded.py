@@ -77,8 +77,9 @@ def finds_stays_late(run: Run) -> bool:
     relate = relates[0]
     at_once = relate.kind != "same_place" and not relate.negated and relate.keep == "moments"
     more = any(isinstance(s, FilterPlace | KeepPresent | JudgeAttributes) for s in run.steps)
-    found = [run.found[var].candidates for var in relate.vars]
-    return at_once and not more and len(found) == 2 and all(found)
+    if not at_once or more or len(relate.vars) != 2:
+        return False
+    return all(run.found[var].candidates for var in relate.vars)
 
 
 def find_stays_late(

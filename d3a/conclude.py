@@ -21,7 +21,7 @@ def conclude(run: Run, limit: int) -> Answer:
     """Return the answer of a finished run, cut to `limit` keyframes, without its sentence."""
     keyframes, truncated = _keyframes(run, limit)
     moments = run.standing(one.moment for one in run.ranked)
-    objects = {moment.figure.sighting.object_id for moment in moments}
+    objects = {e.sighting.object_id for moment in moments for e in moment.entries[: run.figures]}
     least = _least(run)
     return Answer(
         text=run.query.text,
@@ -135,16 +135,19 @@ def _otherwise(run: Run) -> RankedKeyframe | None:
 def _least(run: Run) -> int:
     """Return how many of the found objects must be different things, over their categories."""
     of: dict[str, list[Sighting]] = {}
-    for one in run.ranked:
-        figure = one.moment.figure
-        of.setdefault(figure.candidate.record.category, []).append(figure.sighting)
+    for moment in run.standing(one.moment for one in run.ranked):
+        for entry in moment.entries[: run.figures]:
+            of.setdefault(entry.candidate.record.category, []).append(entry.sighting)
     return sum(least_number(sightings) for sightings in of.values())
 
 
 def _value(run: Run, least: int) -> float | None:
-    """Return the number asked for: objects that must be different, seconds, sightings."""
+    """Return the number asked for: objects that must be different, seconds, sightings.
+
+    Of things that were together: how many were so at once.
+    """
     if run.query.ask == "count":
-        return float(least)
+        return float(least if run.figures == 1 else run.figures)
     if run.query.ask == "how_often":
         return float(len(run.ranked))
     if run.query.ask == "how_long":

@@ -16,25 +16,15 @@ from d3a.attributes import judged
 from d3a.bounded import (
     find_bounded,
     find_joined,
-    find_stays_late,
     finds_stays_late,
-    keep_since,
 )
 from d3a.changes import missing, moved, usual
 from d3a.conclude import conclude
 from d3a.facts import Facts
-from d3a.joined import (
-    between_moments,
-    chain_moments,
-    holders,
-    pair_moments,
-    without_relation,
-)
-from d3a.joins import SYMMETRIC, Related, relate
 from d3a.lookalikes import later_names
 from d3a.match import Candidate, Lexicon, in_room, rungs
 from d3a.miscalled import without_miscalled
-from d3a.moments import Found, common_span
+from d3a.moments import Found
 from d3a.parameters import Parameters
 from d3a.places import last_look, probability_inside
 from d3a.plan import (
@@ -48,6 +38,7 @@ from d3a.plan import (
     FindObjects,
     FindSightings,
     FindStays,
+    Gather,
     JudgeAttributes,
     KeepInRoom,
     KeepMissing,
@@ -63,8 +54,9 @@ from d3a.plan import (
 )
 from d3a.presence import keep_present
 from d3a.rank import rank
+from d3a.relating import gather, relate_found
 from d3a.run import Run, milliseconds
-from d3a.store.base import Encounter, Store
+from d3a.store.base import Store
 from d3a.unfound import explain_empty
 from grammar.forms import ANYTHING
 
@@ -86,9 +78,6 @@ def execute(
     """
     run = Run(plan.query, store, lexicon, now, parameters, facts or Facts(store), plan.steps)
     run.limit = limit
-    alone = len(plan.query.objects) == 1 and plan.query.objects[0].quantity is not None
-    if alone and plan.query.relation is not None:  # whether three cups met is no pair's relation
-        run.leave_out(plan.query.relation.kind)
     started = perf_counter()
     ranking_ms = 0.0
     for step in plan.steps:
@@ -121,7 +110,9 @@ def _take(run: Run, step: Step) -> None:
         case FilterPlace():
             _filter_place(run, step)
         case Relate():
-            _relate(run, step)
+            relate_found(run, step)
+        case Gather():
+            gather(run, step)
         case Unite():
             run.leave_out(run.relation_words(step, [run.term(var) for var in step.vars[1:]]))
         case KeepPresent():
@@ -283,74 +274,6 @@ def _filter_place(run: Run, step: FilterPlace) -> None:
         if p == p:  # a stay without a position is in no room: it cannot be told
             table.place[stay.key] = float(1 - p if step.negated else p)
     table.sightings = [s for s in table.sightings if table.place.get(s.stay, 0.0) >= 0.5]
-
-
-def _relate(run: Run, step: Relate) -> None:
-    tables = [run.found[var] for var in step.vars]
-    keep_since(run, tables)
-    figure, grounds = tables[0], tables[1:]
-    absent = [i for i, ground in enumerate(grounds) if not ground.candidates]
-    if absent and step.kind != "together":
-        # a surface that no detector knows: the figure is told without it
-        run.leave_out(run.relation_words(step, [run.term(step.vars[i + 1]) for i in absent]))
-        return
-    if not figure.candidates or (absent and not step.negated):
-        run.moments = []
-        if step.keep == "figure":  # no sighting of it is left for the relations that follow
-            figure.sightings = []
-        return
-    if absent:  # nothing was ever seen that it could have been with
-        return
-    found = [_related(run, step, figure, ground) for ground in grounds]
-    if not all(one.judged for one in found):
-        _find_all_stays(run, figure)
-        run.leave_out(run.relation_words(step, [run.term(var) for var in step.vars[1:]]))
-        return
-    run.before_relation[step.vars[0]] = list(figure.sightings)
-    if step.keep == "figure":
-        held = holders(found)
-        wanted = {
-            stay: 1 - held.get(stay, 0.0) if step.negated else held.get(stay, 0.0)
-            for stay in figure.stays
-        }
-        figure.held |= wanted
-        figure.sightings = [s for s in figure.sightings if wanted.get(s.stay, 0.0) >= 0.5]
-    elif step.negated:
-        run.moments = without_relation(figure, found, grounds)
-    elif step.kind == "between":
-        run.moments = between_moments(figure, grounds, found)
-    else:
-        run.moments = pair_moments(found[0], figure, grounds[0])
-        for ground, related in zip(grounds[1:], found[1:], strict=True):
-            more = pair_moments(related, figure, ground)
-            run.moments = chain_moments(run.moments, more)
-        if not run.moments:
-            _find_all_stays(run, figure)
-
-
-def _find_all_stays(run: Run, figure: Found) -> None:
-    """Find where the figure was ever: it is told without the relation."""
-    if finds_stays_late(run):
-        figure.stays = run.facts.stays_of(figure.sightings)
-
-
-def _related(run: Run, step: Relate, figure: Found, ground: Found) -> Related:
-    start, end = milliseconds(step.start), milliseconds(step.end)
-    encounters: list[Encounter] = []
-    if figure.sightings and ground.sightings:
-        # a shared frame belongs to a sighting of either: those outside of all are not read
-        first, last = common_span(figure.sightings, ground.sightings)
-        encounters = run.store.encounters(
-            object_ids=figure.ids,
-            with_ids=ground.ids,
-            start_ms=first if start is None else max(first, start),
-            end_ms=last if end is None else min(last, end - 1),
-        )
-    if finds_stays_late(run):
-        find_stays_late(run, figure, ground, encounters)
-    once = step.kind in SYMMETRIC
-    usual = run.facts.usual_grounds(step.kind, run.lexicon)
-    return relate(step.kind, figure, ground, encounters, run.parameters, once=once, usual=usual)
 
 
 def _rank(run: Run, step: Rank) -> None:

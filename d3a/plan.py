@@ -27,6 +27,7 @@ from d3a.steps import (
     FindObjects,
     FindSightings,
     FindStays,
+    Gather,
     JudgeAttributes,
     KeepInRoom,
     KeepMissing,
@@ -59,6 +60,7 @@ __all__ = [
     "FindObjects",
     "FindSightings",
     "FindStays",
+    "Gather",
     "JudgeAttributes",
     "KeepInRoom",
     "KeepMissing",
@@ -72,6 +74,7 @@ __all__ = [
     "Relate",
     "Step",
     "Unite",
+    "numbers_together",
     "plan",
 ]
 
@@ -116,11 +119,12 @@ def plan(
         placed = names if query.relation is None else (var,)
         steps += [FilterPlace(name, query.place, negated) for name in placed]
     united = False
-    if query.relation is not None and len(names) > 1:
+    if query.relation is not None:
         negated = query.relation.negated != polarity
-        united = parameters.profile == "paper" and query.relation.kind == "together" and not negated
-        relate = Unite("together", names) if united else _relate(query, names, negated)
-        steps.append(relate)
+        by_paper = parameters.profile == "paper" and query.relation.kind == "together"
+        united = (by_paper and not negated) if len(names) > 1 else not numbers_together(query)
+        unite = Unite(query.relation.kind, names)
+        steps.append(unite if united else _relate(query, names, negated))
     present = _asks_for_the_present(query)
     if present:
         steps.append(KeepPresent(var))
@@ -205,8 +209,26 @@ def _sighting_steps(
     return steps
 
 
-def _relate(query: FormalQuery, names: tuple[str, ...], negated: bool) -> Relate:
+def numbers_together(query: FormalQuery) -> tuple[int, ...]:
+    """Return how many things of each object a query wants together, at least two of any.
+
+    () where it is no such query: of one cup and one bowl the relation alone tells.
+    """
+    together = query.relation is not None and query.relation.kind == "together"
+    if not together or query.ask in ("moved", "missing"):
+        return ()
+    numbers = [max(term.quantity or 1, 1) for term in query.objects or (ObjectTerm(ANYTHING),)]
+    if len(numbers) == 1:
+        return (max(numbers[0], 2),)  # one thing is together with another of its kind
+    return tuple(numbers) if max(numbers) > 1 else ()
+
+
+def _relate(query: FormalQuery, names: tuple[str, ...], negated: bool) -> Relate | Gather:
     assert query.relation is not None
+    if numbers := numbers_together(query):
+        most = query.ask == "count" and not (query.objects and query.objects[0].quantity)
+        time = TimeSlice() if edge_of(query) is not None else looked_at(query.time)
+        return Gather(names, numbers, most, negated, time.start, time.end)
     if query.ask in ("moved", "missing"):  # the slice is about the change of what stood so
         return Relate(query.relation.kind, names, negated, "figure")
     time = TimeSlice() if edge_of(query) is not None else looked_at(query.time)

@@ -49,8 +49,9 @@ class Run:
     candidates that the noun means wherever they are. refused: the attributes that `otherwise`
     does not have. looked_then, apart: see `Answer`. denied: by variable, the things that were said
     not to be the owner's. limit: of keyframes. cut: not every sighting
-    was read; counted: of how many objects there are some; since_ms: from when on a relation was
-    looked for, as the variables `reached` allow.
+    was read; counted: of how many objects there are some; figures: how many of a moment's entries
+    are what is asked for, more than one of things that were together; since_ms: from when on a
+    relation was looked for, as the variables `reached` allow.
     """
 
     query: FormalQuery
@@ -78,6 +79,7 @@ class Run:
     limit: int = 50
     cut: bool = False
     counted: int = 0
+    figures: int = 1
     since_ms: int = 0
     reached: set[str] = field(default_factory=set)
     suggestions: tuple[str, ...] = ()
@@ -181,7 +183,9 @@ class Run:
         return term
 
     def relation_words(self, step: Relate | Unite, terms: Sequence[ObjectTerm]) -> str:
-        """Return a relation as said: "on the desk"."""
+        """Return a relation as said: "on the desk"; among things of one kind its name alone."""
+        if not terms:
+            return step.kind
         kind = _WORDS.get(step.kind, step.kind)
         things = " and the ".join(" ".join((*term.attributes, term.word)) for term in terms)
         return f"{kind} the {things}"

@@ -125,6 +125,23 @@ class Relate:
 
 
 @dataclass(frozen=True, slots=True)
+class Gather:
+    """Join the sightings of `vars` where so many things of each were together, at one time.
+
+    numbers: one a variable; two cups together are two of one variable. most: as many of the first
+    as there ever were, and so many at least. Negated: its sightings in no such group.
+    """
+
+    vars: tuple[str, ...]
+    numbers: tuple[int, ...]
+    most: bool = False
+    negated: bool = False
+    start: datetime | None = None
+    end: datetime | None = None
+    kind: RelationKind = "together"
+
+
+@dataclass(frozen=True, slots=True)
 class Unite:
     """Answer by what was found for each of `vars` alone: the relation is not judged.
 
@@ -240,6 +257,7 @@ Step = (
     | DropGone
     | FilterPlace
     | Relate
+    | Gather
     | Unite
     | KeepPresent
     | KeepMissing

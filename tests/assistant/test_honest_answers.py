@@ -325,3 +325,29 @@ def test_where_a_thing_usually_is_leaves_room_for_what_may_be_it(carried: Home) 
 def test_no_sighting_shows_when_a_thing_was_not_seen(two_rooms: Home, question: str) -> None:
     said = told(two_rooms, question)
     assert said == "That asks for what was not seen, and I remember what was. Ask when it was seen."
+
+
+def test_several_of_a_kind_together_are_told_by_their_number(two_rooms: Home) -> None:
+    for number in (2, 3):
+        two_rooms.thing(f"cup{number}", "cup", paint="blue")
+        two_rooms.seen(f"cup{number}", 10 * number, 200, at=(1 + 0.2 * number, 1, 1))
+    two_rooms.thing("couch", "couch")
+    two_rooms.seen("couch", 0, 25, at=(1, 1.4, 0))
+    assert told(two_rooms, "Did you see two cups together?").startswith(
+        "Yes. I saw two cups together on two occasions in"
+    )
+    assert told(two_rooms, "When did you see three cups together?").startswith(
+        "Today at 12:30, 6 hours ago, in the kitchen. I saw three cups together once."
+    )
+    assert told(two_rooms, "How many cups did you see together?").startswith(
+        "Three cups together, last seen today at 12:30"
+    )
+    assert told(two_rooms, "Did you see the couch with two cups?").startswith(
+        "Yes. I saw a couch with two cups today at"
+    )
+    assert told(two_rooms, "Did you see four cups together?").startswith(
+        "I did not see four cups together. I last saw some today"
+    )
+    assert told(two_rooms, "When were the cups not together?").startswith(
+        "Today at 15:30, 3 hours ago, in the living room. I saw the cups not together once."
+    )

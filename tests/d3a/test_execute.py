@@ -381,13 +381,6 @@ def test_what_moved_in_a_room_came_left_or_changed_its_place_there() -> None:
     assert sorted(ids(run(home, query(ask="moved", place="hall")))) == ["came", "left", "never"]
 
 
-def test_whether_several_of_one_word_were_together_is_told_as_not_judged(kitchen: Home) -> None:
-    cups = query(term("cup", quantity=2), kind="together")
-    answer = run(kitchen, cups)
-    assert (answer.status, answer.unjudged) == ("found", ("together",))
-    assert run(kitchen, replace(cups, relation=None)).unjudged == ()
-
-
 def test_what_moved_on_the_table_or_is_missing_from_it_was_on_it() -> None:
     home = Home()
     home.thing("table", "table")
