@@ -21,10 +21,10 @@ EDGE_SHARE = 0.15
 """How far beyond a measured width a figure's middle may be: of things a part is seen."""
 
 
-VISIT_ERROR = 2.5
+VISIT_ERROR = 1.65
 """By how much things never seen together are further off each other than their covariances say:
 these take looks for independent, but the looks of one visit share the error of the robot's place.
-Between things of one frame that error cancels."""
+Between things of one frame that error cancels. So measured in worlds of two simulators."""
 SURE_M = 0.05
 """No mean of frames is surer than this: they share the error of the robot's heading."""
 THIN_M = 0.8
@@ -32,15 +32,16 @@ THIN_M = 0.8
 SURFACE_SHARE = 0.25
 """What is measured of a thing lies so far before its middle, as a share of its depth: it is between
 the middle, where a detector may put it, and the surface, which a depth camera measures."""
-LEAST_SEEN = 2.0
-"""A thing is at most so many times as wide as what is seen of it."""
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(24)
+_TAIL = 6.0  # deviations, beyond which a bell is nothing
 
 
 @dataclass(frozen=True, slots=True)
 class Pairs:
     """n pairs of a figure (a) and a ground (b); NaN where something is unknown.
 
-    position_a, position_b (n, 3): metres. sigma (n,): deviation of their distance in metres.
+    position_a, position_b (n, 3): metres. sigma (n,): deviation of how far apart they are along any
+    line of the ground plane, metres.
     box_a, box_b (n, 4): pixels of a frame that shows both. viewer (n, 7): the camera's pose,
     x y z qx qy qz qw. extent_a, extent_b (n, 2): width and height in metres. sigma_up (n,):
     deviation of their difference in height, metres. usual_b (n,): whether the ground is of a
@@ -76,15 +77,20 @@ def placed_together(pairs: Pairs, apart: Floats) -> Pairs:
     Heights stay: a robot drives on a floor, and the more looks the surer they are.
     """
     known = ~np.isnan(apart[:, 3])
-    if not known.any():
-        return pairs
     width = np.nan_to_num(np.hypot(pairs.extent_a[:, 0], pairs.extent_b[:, 0]))
-    own = np.hypot(np.maximum(apart[:, 3], SURE_M), EDGE_SHARE * width) ** 2
+    error = np.maximum(np.nan_to_num(apart[:, 3]), SURE_M)
+    own = np.hypot(error, EDGE_SHARE * width) ** 2
     places = (VISIT_ERROR * pairs.sigma) ** 2
-    missing = apart[:, :3] - (pairs.position_b - pairs.position_a)
-    moved = np.where(known[:, None], (places / (places + own))[:, None] * missing / 2, 0.0)
+    share = np.where(known, places / (places + own), 0.0)
+    missing = np.nan_to_num(apart[:, :3] - (pairs.position_b - pairs.position_a))
+    moved = share[:, None] * missing / 2
     moved[:, up_axis(pairs.viewer)[0]] = 0.0
-    return replace(pairs, position_a=pairs.position_a - moved, position_b=pairs.position_b + moved)
+    return replace(
+        pairs,
+        position_a=pairs.position_a - moved,
+        position_b=pairs.position_b + moved,
+        sigma=np.sqrt((share * error) ** 2 + (1 - share) ** 2 * places),
+    )
 
 
 def with_middles(pairs: Pairs, things: Rows) -> Pairs:
@@ -193,6 +199,27 @@ def within(pairs: Pairs, limit_m: Floats | float, *, level: bool = False) -> Flo
     return normal_cdf((limit_m - distance_of(pairs, level=level)) / pairs.sigma)
 
 
+def displaced_within(pairs: Pairs, limit_m: float, spread: Floats) -> Floats:
+    """Return the probability that both are truly within the limit (n,), NaN without positions.
+
+    spread (n,): deviation of their displacement along each line of the plane; heights are taken as
+    measured. Of all displacements that may have been measured so, more are longer: there is more
+    room. The integral of the round bell over the disc, by Gauss's rule.
+    """
+    off = distance_of(pairs, level=True)
+    radius = np.sqrt(np.maximum(limit_m**2 - rise_of(pairs) ** 2, 0.0))
+    low = np.maximum(-radius, off - _TAIL * spread)
+    span = np.maximum(np.minimum(radius, off + _TAIL * spread) - low, 0.0)
+    total = np.zeros(len(pairs))
+    with np.errstate(invalid="ignore"):
+        for node, weight in zip(_NODES, _WEIGHTS, strict=True):
+            x = low + span * (node + 1) / 2
+            half = np.sqrt(np.maximum(radius**2 - x**2, 0.0)) / spread
+            bell = np.exp(-(((x - off) / spread) ** 2) / 2) / np.sqrt(2 * np.pi)
+            total += weight * bell * (2 * normal_cdf(half) - 1)
+        return np.asarray(total * span / (2 * spread))
+
+
 def as_factor(evidence: Floats) -> Floats:
     """Return evidence as a factor: what is unknown does not count against the pair."""
     return np.where(np.isnan(evidence), 1.0, evidence)
@@ -215,45 +242,10 @@ def overlap_x(pairs: Pairs) -> Floats:
 def apart_sigma(pairs: Pairs) -> Floats:
     """Return the deviation of a pair's displacement in the plane, metres (n,).
 
-    The error of the robot's place cancels where one frame shows both; the point that was measured
-    of a wide thing is anywhere on what was seen of it.
+    The point that was measured of a wide thing is anywhere on what was seen of it.
     """
     width = np.nan_to_num(np.hypot(pairs.extent_a[:, 0], pairs.extent_b[:, 0]))
-    return np.hypot(pairs.sigma * np.where(pairs.shared, 1.0, VISIT_ERROR), EDGE_SHARE * width)
-
-
-def overlap_whole(pairs: Pairs) -> Floats:
-    """Return `overlap_x` of the whole things: what is behind another is seen in part only.
-
-    A box that shows less than the thing's width goes on by the rest, to either side.
-    """
-    left = np.maximum(pairs.box_a[:, 0], pairs.box_b[:, 0])
-    right = np.minimum(pairs.box_a[:, 2], pairs.box_b[:, 2])
-    covered, widths = right - left, []
-    with np.errstate(invalid="ignore", divide="ignore"):
-        for extent, box in ((pairs.extent_a, pairs.box_a), (pairs.extent_b, pairs.box_b)):
-            seen = box[:, 2] - box[:, 0]
-            by_height = extent[:, 0] / extent[:, 1] * (box[:, 3] - box[:, 1])
-            whole = np.fmax(seen, np.fmin(LEAST_SEEN * seen, by_height))
-            covered = covered + (whole - seen) / 2
-            widths.append(whole)
-        return np.asarray(np.clip(covered, 0.0, None) / np.minimum(*widths))
-
-
-def gap_across(pairs: Pairs) -> Floats:
-    """Return the metres between two things as the viewer sees them side by side, NaN if untold.
-
-    By their places and widths, where the nearer is; negative where one is before the other.
-    """
-    sides, halves, depths = [], [], []
-    for place, extent in ((pairs.position_a, pairs.extent_a), (pairs.position_b, pairs.extent_b)):
-        away = place - pairs.viewer[:, :3]
-        ahead = np.maximum((away * camera_axis(pairs.viewer, 2)).sum(axis=1), EDGE_M)
-        sides.append((away * camera_axis(pairs.viewer, 0)).sum(axis=1) / ahead)
-        halves.append(extent[:, 0] / 2 / ahead)
-        depths.append(ahead)
-    gap = (np.abs(sides[0] - sides[1]) - halves[0] - halves[1]) * np.minimum(*depths)
-    return np.where(np.isnan(distance_of(pairs)), np.nan, gap)
+    return np.hypot(pairs.sigma, EDGE_SHARE * width)
 
 
 def height_in(pairs: Pairs, edge: Floats) -> Floats:

@@ -24,12 +24,11 @@ from d3a.pairs import (
     box_area,
     box_middle,
     camera_axis,
+    displaced_within,
     distance_of,
-    gap_across,
     height_in,
     longer_side,
     normal_cdf,
-    overlap_whole,
     overlap_x,
     rise_of,
     soft_step,
@@ -38,6 +37,7 @@ from d3a.pairs import (
     within,
 )
 from d3a.parameters import Parameters
+from d3a.silhouettes import in_line
 from grammar.forms import RelationKind
 
 REACH_M = 0.6
@@ -293,10 +293,7 @@ def _in_front_of(pairs: Pairs, _: Parameters) -> Floats:
     # things stand on a common floor or top: what is nearer ends lower in the picture
     by_box = normal_cdf((pairs.box_a[:, 3] - pairs.box_b[:, 3]) / (0.5 * height))
     front = np.where(np.isnan(by_place), by_box, by_place)
-    in_line = soft_step(overlap_whole(pairs), 0.1, 0.08)
-    by_gap = normal_cdf(-gap_across(pairs) / pairs.sigma)
-    in_line = np.where(np.isnan(by_gap), in_line, (in_line + by_gap) / 2)
-    aligned = np.where(pairs.shared, in_line, 1.0)
+    aligned = np.where(pairs.shared, in_line(pairs), 1.0)
     return front * aligned * as_factor(within(pairs, SIDE_M))
 
 
@@ -305,13 +302,10 @@ def _behind(pairs: Pairs, parameters: Parameters) -> Floats:
 
 
 def _same_place(pairs: Pairs, parameters: Parameters) -> Floats:
-    here = np.linalg.norm(pairs.position_a - pairs.position_b, axis=1)
     beside = as_factor(beside_within(pairs, parameters.d_thresh_m))
-    spread = apart_sigma(pairs)
-    # of all displacements that may have been measured so, more are longer: there is more room;
-    # by half of what even room would give, since things stand in groups
-    longer = np.hypot(here, spread / 2)
-    return normal_cdf((parameters.d_thresh_m - longer) / spread) * beside
+    near = displaced_within(pairs, parameters.d_thresh_m, apart_sigma(pairs))
+    one_spot = np.linalg.norm(pairs.position_a - pairs.position_b, axis=1) < SAME_SPOT_M
+    return np.where(one_spot, 1.0, near) * beside
 
 
 def _between_alone(pairs: Pairs, parameters: Parameters) -> Floats:

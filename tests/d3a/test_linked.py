@@ -47,6 +47,8 @@ def test_what_frames_measured_counts_before_the_places_but_for_heights() -> None
         expected = (0.3 * places + 1.0 * own) / (places + own)
         assert line == pytest.approx(np.array([[0.0, sign * expected, sign * 0.1]] * 3))
         assert (pairs.position_a + pairs.position_b)[0] / 2 == pytest.approx((3.0, 0.5, 0.55))
+        assert pairs.sigma == pytest.approx(math.sqrt(places * own / (places + own)))
+    assert pairs.sigma[0] < pairs_of(links(one, other, [frame(1, None)]), one, other).sigma[0]
 
 
 def test_without_a_measurement_places_stay_as_they_are() -> None:

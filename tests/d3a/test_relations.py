@@ -294,13 +294,22 @@ def test_things_apart_in_one_picture_are_apart_whatever_the_places_say() -> None
     assert holds("same_place", hidden) > 10 * holds("same_place", apart)
 
 
-def test_things_of_one_frame_share_the_error_of_the_robot_s_place() -> None:
-    places = (2.0, 0.4, 0.5), (2.0, 0.0, 0.5)
-    boxes = (0.0, 100.0, 50.0, 150.0), (150.0, 100.0, 200.0, 150.0)
-    shared = pair(*places, *boxes, NAN7, (0.1, 0.1), (0.1, 0.1), sigma=0.3)
-    alone = pair(*places, NAN4, NAN4, NAN7, (0.1, 0.1), (0.1, 0.1), sigma=0.3)
-    assert holds("same_place", shared) > 0.5
-    assert holds("same_place", alone) < 0.5  # never seen together: each has an error of its own
+@pytest.mark.parametrize("far", [0.0, 0.3, 0.5, 0.9])
+@pytest.mark.parametrize("sigma", [0.02, 0.2, 0.7])
+def test_same_place_counts_where_the_other_may_truly_be(far: float, sigma: float) -> None:
+    rise = 0.3
+    one = pair((2.0, far, 0.5 + rise), (2.0, 0.0, 0.5), sigma=sigma)
+    draw = np.random.default_rng(7).normal((far, 0.0), sigma, size=(200_000, 2))
+    share = (np.hypot(np.hypot(*draw.T), rise) <= DEFAULT.d_thresh_m).mean()
+    assert holds("same_place", one) == pytest.approx(share, abs=0.01)
+
+
+def test_boxes_that_show_things_whole_say_what_is_before_what() -> None:
+    whole, aside = (100.0, 100.0, 160.0, 200.0), (180.0, 110.0, 234.0, 200.0)
+    places, sizes = ((3.0, 0.0, 0.5), (2.0, 0.0, 0.5)), ((0.6, 1.0), (0.6, 1.0))
+    assert holds("behind", pair(*places, aside, whole, FACING_X, *sizes)) < 0.5
+    cut = (180.0, 110.0, 205.0, 200.0)  # by what hides it: then its place tells too
+    assert holds("behind", pair(*places, cut, whole, FACING_X, *sizes)) > 0.5
 
 
 def test_what_another_hides_in_part_is_still_behind_it() -> None:
