@@ -18,18 +18,69 @@ def corrected(words: list[Word], lexicon: Lexicon) -> list[Word]:
     i = 1
     while i < len(words):
         count = marks.at(words, i)
+        if count and (said_after := _before_mark(words, i, count)) is not None:
+            words, i = said_after, 1
+            continue
         if count and _corrects(words, i, count):
-            before, after = words[:i], words[i + count :]
-            while before and before[-1].text == ",":
-                before = before[:-1]
-            while after and after[0].text == ",":
-                after = after[1:]
-            if after and before:
+            before, after = _without_commas(words[:i], words[i + count :])
+            if words[i].text in HESITATING and not _likened(before, after):
+                words = [*words[:i], *words[i + count :]]
+            elif after and before:
                 words = _replaced(before, after, lexicon)
                 i = 1
                 continue
         i += 1
     return words
+
+
+def _without_commas(before: list[Word], after: list[Word]) -> tuple[list[Word], list[Word]]:
+    """Take the commas off where two parts of a sentence meet."""
+    while before and before[-1].text == ",":
+        before = before[:-1]
+    while after and after[0].text == ",":
+        after = after[1:]
+    return before, after
+
+
+HESITATING = words_of("er erm uh uhh um umm uhm hm hmm well")
+"""Between commas these correct a like thing said before them, and else say nothing."""
+_MARKING_AFTER = ("i mean", "i meant", "rather", "sorry", "i should say")
+_LONGEST_INSERT = 4
+
+
+def _before_mark(words: list[Word], i: int, count: int) -> list[Word] | None:
+    """Correct by what stands before its mark: a fork, a knife i mean, in the kitchen."""
+    ends = i + count == len(words) or words[i + count].text == ","
+    if not ends or " ".join(w.text for w in words[i : i + count]) not in _MARKING_AFTER:
+        return None
+    comma = next((k for k in range(i - 1, 1, -1) if words[k].text == ","), i)
+    insert = words[comma + 1 : i]
+    bare = {w.text for w in insert} & {"one", "ones"} or not any(is_open(w.text) for w in insert)
+    if bare or len(insert) > _LONGEST_INSERT or insert[0].text in QUESTION_STARTS:
+        return None
+    k = comma - 1
+    while k > 1 and is_open(words[k - 1].text):
+        k -= 1
+    if k > 1 and words[k - 1].text in _DETERMINERS and insert[0].text in _DETERMINERS:
+        k -= 1
+    rest = words[i + count :]
+    return [*words[:k], *insert, *rest[1:]]
+
+
+def _likened(before: list[Word], after: list[Word]) -> bool:
+    """Whether what follows a hesitation is like what stands before it: a thing, a time."""
+    if len(after) < 2 or not before or after[1].text in ("one", "ones"):
+        return False
+    timed = timespan.find([w.text for w in after])
+    if timed and timed[0].first == 0:
+        told = timespan.find([w.text for w in before])
+        return bool(told) and told[-1].last == len(before)
+    named = is_open(before[-1].text)
+    return (
+        named
+        and _kind(after[0].text, None) == "determiner"
+        and any(_kind(w.text, None) == "determiner" for w in before[1:])
+    )
 
 
 def _corrects(words: list[Word], i: int, count: int) -> bool:
@@ -39,6 +90,8 @@ def _corrects(words: list[Word], i: int, count: int) -> bool:
     following = words[i + count].text if i + count < len(words) else ""
     if not following:
         return False
+    if said in HESITATING and count == 1:
+        return before == "," and following == ","
     if said in ("no", "nope") and count == 1:
         if following in ("longer", "one", "more", "other", "later", "earlier", "sooner", "less"):
             return False
@@ -91,7 +144,18 @@ def _time_replaced(before: list[Word], after: list[Word]) -> list[Word] | None:
         return None
     if corrected[0].last - corrected[0].first == 1:
         return None  # monday no tuesday: the word alone is replaced
-    return [*before[: said[-1].first], *after]
+    first = said[-1].first
+    bound = before[first : first + 1]
+    unbound = _bounds(bound) and not _bounds(after[:1])
+    return [*before[:first], *(bound if unbound else ()), *after]
+
+
+def _bounds(words: list[Word]) -> bool:
+    """Whether a word bounds the time that follows it: until ten, sorry, eleven."""
+    return bool(words) and tw.PHRASES.get(words[0].text, ("",))[0] in _BOUNDING
+
+
+_BOUNDING = ("_SINCE", "_UNTIL", "_BEFORE", "_AFTER", "_FROM")
 
 
 def _head_replaced(before: list[Word], after: list[Word]) -> list[Word]:

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from datetime import datetime
 from typing import TypeVar
 
-from grammar import respelling, speech, spelling
+from grammar import asides, respelling, speech, spelling
 from grammar.errors import Ambiguous, QuestionError
 from grammar.forms import Correction, FormalQuery
 from grammar.reading import Reading, capped
@@ -70,9 +70,16 @@ def read(
         for said, slips in respelling.respelled(found, spelling.known(words)):
             with suppress(QuestionError):
                 return meaning(reading, _plain(said, lex)), (*corrections, *slips)
+        for parts in asides.without_asides(_plain(found, lex)):
+            with suppress(QuestionError):
+                return meaning(reading, _opened(parts, lex)), corrections
         raise
 
 
 def _plain(words: list[Word], lex: Lexicon) -> list[list[Word]]:
     """Return the sentences in plain words."""
-    return [plain for s in speech.sentences(words) if (plain := speech.plain(s, lex))]
+    return _opened(speech.sentences(words), lex)
+
+
+def _opened(spoken: list[list[Word]], lex: Lexicon) -> list[list[Word]]:
+    return [plain for words in spoken if (plain := speech.plain(words, lex))]

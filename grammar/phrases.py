@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
-from itertools import product
 
 from grammar.closed import is_open, words_of
 from grammar.vocabulary import files
@@ -52,7 +50,7 @@ def phrases() -> Phrases:
     breakers: set[str] = set()
     for line in files.lines("phrases.txt"):
         terminal, _, said = line.partition("=")
-        for parts in _spelled(said):
+        for parts in (each for phrase in files.split(said) for each in files.spelled(phrase)):
             found.setdefault(parts[0], []).append((parts, terminal.strip()))
             if len(parts) == 1 and terminal.strip() in VERBAL:
                 verbs.add(parts[0])
@@ -69,15 +67,6 @@ def phrases() -> Phrases:
         entries.sort(key=lambda entry: (-len(entry[0]), entry[1] not in STANCES))
     breakers |= verbs | SUBJECT_OF | {"belonging"}
     return Phrases(found, frozenset(verbs), frozenset(stances), frozenset(breakers))
-
-
-def _spelled(said: str) -> Iterator[tuple[str, ...]]:
-    """Yield the phrases of a line; `is|was` in one stands for either word."""
-    for phrase in files.split(said):
-        if "|" in phrase:
-            yield from product(*(word.split("|") for word in phrase.split()))
-        else:
-            yield tuple(phrase.split())
 
 
 def breaks(words: list[Word], k: int) -> bool:

@@ -49,9 +49,9 @@ def respelled(words: list[Word], known: frozenset[str]) -> Iterator[Respelled]:
 
     known: every word that needs no correction of its own.
     """
-    if not scope.asks(words):
-        return
     meant = [_meant(word.text, known) for word in words]
+    if not (scope.asks(words) or meant[:1] != [()]):
+        return
     for taken in islice(product(*[(*found, "") for found in meant]), _MOST_TRIES):
         changed = [
             replace(word, text=text) if text else word

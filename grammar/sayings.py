@@ -49,8 +49,7 @@ def sections() -> dict[str, Phrases]:
     found: dict[str, Phrases] = {}
     for name, said in files.sections("speech.txt").items():
         by_first: dict[str, list[tuple[str, ...]]] = {}
-        for phrase in said:
-            parts = tuple(phrase.split())
+        for parts in (each for phrase in said for each in files.spelled(phrase)):
             by_first.setdefault(parts[0], []).append(parts)
         found[name] = Phrases(
             {k: tuple(sorted(v, key=len, reverse=True)) for k, v in by_first.items()}

@@ -55,6 +55,11 @@ def doings() -> frozenset[str]:
     return _lists()["doing"]
 
 
+def commands() -> frozenset[str]:
+    """Return the words that begin an order."""
+    return _lists()["command"]
+
+
 def asks(words: list[Word]) -> bool:
     """Whether a sentence is a question by its first word, or looks for something."""
     led = len(words) > 1 and words[0].text in ("on", "in", "at")

@@ -10,7 +10,7 @@ from dataclasses import replace
 from grammar import numbers, timespan
 from grammar import timewords as tw
 from grammar.closed import is_open, words_of
-from grammar.corrections import corrected
+from grammar.corrections import HESITATING, corrected
 from grammar.phrases import asks_at_start, phrases
 from grammar.sayings import AUXILIARIES, QUESTION_STARTS, QUESTION_WORDS, sections
 from grammar.vocabulary import Lexicon
@@ -30,8 +30,8 @@ def sentences(words: list[Word]) -> list[list[Word]]:
             continue
         if word.text in _ENDS:
             found.append([])
-        elif word.text != ":":
-            found[-1].append(word)
+        else:
+            found[-1].append(replace(word, text=",") if word.text == ":" else word)
     return [part for sentence in found if sentence for part in _parted(sentence)]
 
 
@@ -115,7 +115,7 @@ def plain(words: list[Word], lexicon: Lexicon) -> list[Word]:
     """Return the words of one sentence without what changes nothing."""
     words = _joined(_counting(_heard(_without_fillers(words)), lexicon), lexicon)
     words = corrected(words, lexicon)
-    words = _without_stutter(_without_false_starts(words), lexicon)
+    words = _without_stutter(_without_false_starts(_restarted(words)), lexicon)
     return _located(_closed(_without_thought(_opened(words))))
 
 
@@ -209,6 +209,8 @@ def _without_fillers(words: list[Word]) -> list[Word]:
 def _no_filler(words: list[Word], i: int, count: int, kept: list[Word]) -> bool:
     """Whether a filler is said in earnest: the `oh` of `nine oh five`, `do you know`."""
     before = kept[-1].text if kept else ""
+    if count == 1 and words[i].text in HESITATING and before == ",":
+        return words[i + 1 : i + 2] != [] and words[i + 1].text == "," and len(kept) > 1
     if words[i].text == "like":
         return before not in _BEFORE_LIKE
     if words[i].text in ("oh", "o"):
@@ -224,6 +226,22 @@ _BEFORE_LIKE = (
     *words_of("so ok okay well where when is are was were at around by in on for and to"),
 )
 """After these `like` says nothing: `where is like my cup`, `at like three`."""
+
+
+def _restarted(words: list[Word]) -> list[Word]:
+    """Take out a question that breaks off before it names a thing: `when did i, when did you`."""
+    texts = [w.text for w in words]
+    for i in range(1, min(len(texts) - 2, _BROKEN_OFF)):
+        if texts[i] != "," or texts[0] not in QUESTION_STARTS:
+            continue
+        named = any(is_open(t) or t in ("it", "they", "them") for t in texts[:i])
+        asks = texts[i + 1] in QUESTION_WORDS or texts[i + 1] in AUXILIARIES
+        return words[i + 1 :] if asks and not named else words
+    return words
+
+
+_BROKEN_OFF = 5
+"""A question that has named nothing after so many words may be given up and begun again."""
 
 
 def _without_false_starts(words: list[Word]) -> list[Word]:

@@ -53,7 +53,7 @@ def known(words: StoreWords) -> frozenset[str]:
     found.update(tw.WEEKDAY_NUMBER, tw.SEASONS, tw.HOLIDAYS, tw.FIXED_CLOCKS)
     found |= _words_in((*tw.PHRASES, *tw.HOLIDAYS, *phrases.spoken(), *scope.spoken()))
     for section in files.sections("speech.txt").values():
-        found |= _words_in(section)
+        found |= _words_in(phrase.replace("|", " ") for phrase in section)
     return frozenset(found)
 
 
@@ -147,11 +147,14 @@ def _small_word(words: list[Word], i: int, known: frozenset[str], lex: Lexicon) 
     after = words[i + 1].text if i + 1 < len(words) else ""
     if before in ("", "where", "what", "when", "which", "how") and after:
         return _slip_of(text, _VERBS)
+    if after in _TIMED and (leading := _slip_of(text, ("last", "this"))):
+        return leading
     if after and is_open(after) and not is_open(before) and before not in _DETERMINING:
         return _slip_of(text, _LEADING)
     return None
 
 
+_TIMED = frozenset((*tw.PARTS, *tw.WEEKDAYS, "week", "weekend", "month", "year"))
 _DETERMINING = words_of(
     "a an the this that these those my your our his her its their some any no and or"
 )

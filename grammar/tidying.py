@@ -13,7 +13,7 @@ _SUPPORTS = ("on", "in", "under", "above")
 def tidied(tags: list[Tag]) -> list[Tag]:
     """Return the terminals with what only both neighbours tell."""
     tags = _things_described(_owned_alike(_joined_attributes(_commas(_fronted(tags)))))
-    tags = _extraposed(tags)
+    tags = _extraposed(_inverted(tags))
     return _excepted(_predicates(tags))
 
 
@@ -57,6 +57,20 @@ def _fronted(tags: list[Tag]) -> list[Tag]:
     first = next(asks, 0)
     front = [t for t in tags[:first] if t.type != "COMMA"]
     return [*tags[first:], *front]
+
+
+def _inverted(tags: list[Tag]) -> list[Tag]:
+    """Put a place said between `is` and its thing last: `is in the kitchen a knife`."""
+    kinds = [t.type for t in tags]
+    first = 1 + (kinds[1:2] == ["THERE"])
+    if kinds[:1] != ["BE"] or kinds[first : first + 1] not in (["AT_PLACE"], ["REL"]):
+        return tags
+    end = first + 1
+    if kinds[first] == "REL":
+        end = next((i + 1 for i in range(end, len(kinds)) if kinds[i] in ("NOUN", "ONE")), end)
+    if kinds[end : end + 1] not in (["DET"], ["NUMBER"], ["OWNER"]):
+        return tags
+    return [*tags[:first], *tags[end:], *tags[first:end]]
 
 
 def _commas(tags: list[Tag]) -> list[Tag]:

@@ -388,4 +388,5 @@ class _Reader(UnplacedReader):
         if ranges and (self._at(2) in tw.MONTH_NUMBER or self._at(2) in tw.WEEKDAY_NUMBER):
             return True
         named = self._is("NTH", "DAY_BEFORE", "WEEKDAY") or self._year_named(1)
+        named = named or (self._at(1) in tw.PARTS and self.word in tw.WEEKDAY_NUMBER)
         return self._at(-1) in _LEADS_SHY or named

@@ -8,6 +8,9 @@ from grammar.closed import is_open, words_of
 from grammar.timedigits import CLOCK, TimeToken
 from grammar.timejoints import JointReader
 
+_BEFORE_HOUR_SIGN = words_of("at from between and to until till since before by -")
+_AGO = ("ago", "earlier", "back")
+
 
 class NumberReader(JointReader):
     """Reads the numbers of a spoken time by their neighbours."""
@@ -196,6 +199,8 @@ class NumberReader(JointReader):
         if number is None:
             return None
         value, count = number
+        if self._hour_sign(value, count):
+            return self._make("HHMM", (value, 0, True, 0), count + 1)
         if self._at(count) == "-" and self._ranges(count + 1) and value <= 31:
             return self._make("HOUR", value, count)
         return (
@@ -204,6 +209,11 @@ class NumberReader(JointReader):
             or self._minute(value, count)
             or self._hour(value, count)
         )
+
+    def _hour_sign(self, value: int, count: int) -> bool:
+        """Whether an `h` after a number makes it a clock time: at 14h, between 9 h and 11 h."""
+        clock = self._at(-1) in _BEFORE_HOUR_SIGN and value <= 24
+        return clock and self._at(count) == "h" and self._at(count + 1) not in _AGO
 
     def _ranges(self, k: int) -> bool:
         """Whether what ends a range stands at `k`, after a dash: `9-11 am`, `3-5 may`."""

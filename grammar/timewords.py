@@ -100,7 +100,6 @@ PHRASES: dict[str, tuple[str, object]] = {
     **dict.fromkeys(("this time", "this same time"), ("SAME", 0)),
     "tonight": ("PARTDAY", "tonight"),
     "last night": ("PARTDAY", "last night"),
-    "last nite": ("PARTDAY", "last night"),
     "yesterday night": ("PARTDAY", "yesterday night"),
     "the night before last": ("PARTDAY", "night before last"),
     "last evening": ("PARTDAY", "yesterday evening"),

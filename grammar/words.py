@@ -31,6 +31,7 @@ _WORD = re.compile(
     r"|\d+(?:\.\d+)?"
     r"|[ap]\.\s?m\b\.?"  # a.m.
     r"|[^\W\d_]+(?:['\u2019\-][^\W\d_]+)*['\u2019]?"
+    r"|\.\.+|[\u2014\u2026]"  # a pause
     r"|[?!.,;:&]|-"
 )
 _CONTRACTIONS = {
@@ -85,6 +86,17 @@ _WITHOUT_APOSTROPHE = {
     "whereare": ("where", "are"),
     "whatis": ("what", "is"),
     "howmany": ("how", "many"),
+    "wats": ("what", "is"),
+    "whr": ("where",),
+    "hav": ("have",),
+    "rn": ("right", "now"),
+    "yday": ("yesterday",),
+    "tdy": ("today",),
+    "tmrw": ("tomorrow",),
+    "mornin": ("morning",),
+    "evenin": ("evening",),
+    "nite": ("night",),
+    "idk": ("i", "do", "not", "know"),
     "didyou": ("did", "you"),
     "d'you": ("do", "you"),
     "didja": ("did", "you"),
@@ -95,6 +107,10 @@ _APPROXIMATE = frozenset(numbers.CARDINALS) | {"noon", "midnight", "midday"}
 """What may end in -ish: eightish, noonish."""
 _MIDDLES = frozenset((*tw.PARTS, *tw.MONTHS, *tw.SEASONS, "week", "month", "year"))
 """What may follow mid-: mid-morning, mid-january."""
+
+
+_PAUSES = ("\u2014", "\u2026")
+"""A long dash and three dots part what is said as a comma does."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -159,6 +175,8 @@ def _dashed(word: Word) -> list[Word]:
 def _apart(word: Word) -> list[Word]:
     """Take a contraction apart: `where's` is `where is`, `isn't` is `is not`."""
     text = word.text
+    if text in _PAUSES or text.startswith(".."):
+        return [replace(word, text=",")]
     if text in _WITHOUT_APOSTROPHE:
         return [replace(word, text=part) for part in _WITHOUT_APOSTROPHE[text]]
     if text == "non":

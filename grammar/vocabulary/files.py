@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from functools import lru_cache
+from itertools import product
 from pathlib import Path
 
 _HERE = Path(__file__).parent
@@ -20,6 +21,14 @@ def lines(name: str) -> Iterator[str]:
 def split(text: str, mark: str = ",") -> tuple[str, ...]:
     """Split a list of phrases at `mark`, spaces trimmed, empty ones left out."""
     return tuple(part.strip() for part in text.split(mark) if part.strip())
+
+
+def spelled(phrase: str) -> Iterator[tuple[str, ...]]:
+    """Yield the phrases that one stands for, each as its words; `is|was` is either word."""
+    if "|" in phrase:
+        yield from product(*(word.split("|") for word in phrase.split()))
+    else:
+        yield tuple(phrase.split())
 
 
 @lru_cache(maxsize=8)

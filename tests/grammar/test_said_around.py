@@ -1,0 +1,95 @@
+"""What people say around a question, and how they break off and mend it."""
+
+from __future__ import annotations
+
+from datetime import datetime
+
+import pytest
+
+from grammar import QuestionError, parse
+
+NOW = datetime.fromisoformat("2026-05-14T20:30:00+01:00")
+
+
+def alike(said: str, plainly: str) -> bool:
+    """Whether two sayings are one query."""
+    found, meant = (parse(text, now=NOW).to_json() for text in (said, plainly))
+    for record in (found, meant):
+        del record["text"]
+        record.pop("corrections", None)
+    return found == meant
+
+
+@pytest.mark.parametrize(
+    ("said", "plainly"),
+    [
+        ("I hate to be a pest, but where is my tent?", "where is my tent"),
+        ("The bus leaves soon and it is icy, where are my boots", "where are my boots"),
+        ("Be an angel and tell me what lies on the stool", "what lies on the stool"),
+        ("My aunt put it away: is the quilt in the trunk?", "is the quilt in the trunk"),
+        ("I would be glad to learn how many jars are in the sink", "how many jars are in the sink"),
+        ("We got home at nine last night and wonder where the pram is", "where is the pram"),
+        ("where is my raincoat, it is pouring", "where is my raincoat"),
+        ("have you seen the leash, my dog wants to go out", "have you seen the leash"),
+        ("Would you know, if you don't mind, where the stapler is?", "where is the stapler"),
+        ("where is, for heaven's sake, my blasted purse", "where is my purse"),
+        ("sorry to disturb you again, where's the tripod, my dear", "where is the tripod"),
+        ("do you happen to recall when you last saw my flute", "when did you last see my flute"),
+    ],
+)  # fmt: skip
+def test_what_is_told_around_a_question_is_left_out(said: str, plainly: str) -> None:
+    assert alike(said, plainly)
+
+
+@pytest.mark.parametrize(
+    "said",
+    [
+        "I hate to be a pest, but why is the tap dripping?",
+        "I have a fever, where can I lie down",
+        "turn the fan off, is the cup on the table",
+        "where is the cup, where is the bowl",
+        "is the heating on, or where is the blanket",
+        "I was glad when the cup was on the table",
+        "where did you see my wallet, I had it an hour ago",
+    ],
+)
+def test_nothing_that_asks_orders_or_tells_a_time_is_cut_off(said: str) -> None:
+    with pytest.raises(QuestionError):
+        parse(said, now=NOW)
+
+
+@pytest.mark.parametrize(
+    ("said", "plainly"),
+    [
+        ("is there a spade, a rake I mean, in the garage", "is there a rake in the garage"),
+        ("where is the pencil, pen rather?", "where is the pen"),
+        ("what was in the attic, er, the shed yesterday", "what was in the shed yesterday"),
+        ("did you see my scarf, or let's say my shawl, today", "did you see my shawl today"),
+        ("where is my... erm... kettle", "where is my kettle"),
+        ("where is the fork \u2014 no, the ladle", "where is the ladle"),
+        ("where did you, when did you last see the vase", "when did you last see the vase"),
+        ("where is my cap, the red one I mean", "where is my red cap"),
+        ("was the rope yesterday, um, in the garage", "was the rope in the garage yesterday"),
+    ],
+)  # fmt: skip
+def test_a_speaker_mends_what_she_said(said: str, plainly: str) -> None:
+    assert alike(said, plainly)
+
+
+@pytest.mark.parametrize(
+    ("said", "plainly"),
+    [
+        ("where can be found the ladder", "where can i find the ladder"),
+        ("is in the garage a rake", "is there a rake in the garage"),
+        ("are there on the shelf any jars", "are there any jars on the shelf"),
+        ("exists a mirror near of the bed", "is there a mirror near the bed"),
+        ("my boots where", "where are my boots"),
+        ("last place you saw the rake", "the last place you saw the rake"),
+        ("what is it that hangs on the hook", "what hangs on the hook"),
+        ("when was it the last time you saw my bike", "when was the last time you saw my bike"),
+        ("wen did you last see my bike", "when did you last see my bike"),
+        ("how many distinct jars are on the shelf", "how many jars are on the shelf"),
+    ],
+)
+def test_another_order_of_words_asks_the_same(said: str, plainly: str) -> None:
+    assert alike(said, plainly)
