@@ -145,10 +145,11 @@ class Ties:
 def gathered(ties: Ties, numbers: Sequence[int]) -> list[Moment]:
     """Return the moments in which so many things of each variable were together.
 
-    No thing is told twice at one time: of four cups in one picture two and two are together.
+    No thing is told twice at one time: of four cups in one picture two and two are together. Of
+    those about as likely the longest are told.
     """
     moments = [ties.moment(group) for group in sorted(ties.groups(numbers), key=_order)]
-    moments.sort(key=lambda moment: -_worth(moment))
+    moments.sort(key=lambda moment: (-round(_worth(moment), 1), moment.start_ms - moment.end_ms))
     told: dict[str, list[Span]] = {}
     out: list[Moment] = []
     for moment in moments:
