@@ -31,6 +31,10 @@ UNKNOWN = 0.5
 """The chance of an attribute for an object without a picture, where others have one."""
 SIZE_SPREAD = 0.25
 """Deviation of the logarithm of a measured size: depth and boxes are rough."""
+NOTICED = 0.18
+"""How much the logarithm of a size must be off the usual to be noticed: a fifth larger is big."""
+LIKELIER = 0.5
+"""What is no likelier to be noticed as big than not is not big: sizes have no shades between."""
 LEAST_ONCE = 0.9
 """Of a thing seen once, which may be a mistake of the detector, a yes needs to be this likely."""
 LEAST_DOUBTFUL = 0.05
@@ -204,7 +208,11 @@ def _colour(
 def _size(
     word: str, found: Sequence[Candidate]
 ) -> tuple[NDArray[np.float64], NDArray[np.bool_]] | None:
-    """Return how likely each is big for its kind (n,), None for other words or too few sizes."""
+    """Return how likely each is noticeably big for its kind (n,).
+
+    None for other words, too few sizes, and where all are about as large, by what was measured:
+    then none is big and none small, and what was not measured says nothing.
+    """
     if word not in _SIZES:
         return None
     measure, sign = _SIZES[word]
@@ -213,11 +221,14 @@ def _size(
     known = ~np.isnan(sizes)
     if int(known.sum()) < LEAST_SIZED:
         return None
-    logs = np.log(np.maximum(sizes, 1e-3))
-    z = sign * (logs - np.median(logs[known])) / SIZE_SPREAD
-    probability = np.full(len(found), UNKNOWN)
-    probability[known] = normal_cdf(z[known])
-    return probability, probability >= LEAST_ODDS * (1 - probability)
+    logs = np.log(np.maximum(sizes[known], 1e-3))
+    away = sign * (logs - np.median(logs))
+    if np.abs(away).max() < NOTICED:
+        return None
+    told = normal_cdf((away - NOTICED) / SIZE_SPREAD)
+    probability = np.full(len(found), told.mean())
+    probability[known] = told
+    return probability, probability >= LIKELIER
 
 
 def _measure(extent: tuple[float, float], measure: str) -> float:

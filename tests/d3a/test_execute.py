@@ -319,6 +319,24 @@ def test_sizes_are_relative_to_the_category() -> None:
     assert "l" not in ids(run(home, query(term("bowl", "small"))))
 
 
+def test_what_is_as_large_as_the_others_is_neither_big_nor_small() -> None:
+    home = Home()
+    for number, size in enumerate((0.115, 0.12, 0.12, 0.13)):
+        home.thing(f"b{number}", "bowl", extent_m=(size, size))
+        home.seen(f"b{number}", 0)
+    home.thing("unmeasured", "bowl")
+    home.seen("unmeasured", 0)
+    for word in ("big", "small", "tall"):
+        answer = run(home, query(term("bowl", word)))
+        assert (answer.count, answer.unjudged) == (5, (word,))
+    home.thing("l", "bowl", extent_m=(0.3, 0.3))
+    home.seen("l", 0)
+    big, small = run(home, query(term("bowl", "big"))), run(home, query(term("bowl", "small")))
+    assert (big.count, big.keyframes[0].object_id, big.unjudged) == (1, "l", ())
+    assert (small.status, small.reason, small.unjudged) == ("not_found", "never", ())
+    assert run(home, query(replace(term("bowl"), without=("big",)))).count == 5
+
+
 def test_sizes_of_too_few_things_are_not_judged() -> None:
     home = Home()
     home.thing("only", "bowl", extent_m=(0.1, 0.1))
