@@ -17,10 +17,10 @@ import numpy as np
 from d3a.attributes import Looks
 from d3a.colours import HISTOGRAM_SIZE, Palette, histograms, learn
 from d3a.kept import Kept
+from d3a.landmarks import Landmarks, is_hollow_word, is_landmark_word, landmarks
 from d3a.match import Candidate, Lexicon, candidates
 from d3a.moments import in_slice, joined
 from d3a.parameters import DEFAULT, PROFILES, Parameters
-from d3a.places import Landmarks, is_hollow_word, is_landmark_word, landmarks
 from d3a.plan import FindObjects
 from d3a.store.base import (
     ObjectRecord,
@@ -339,7 +339,8 @@ class Facts:
             ]
             records = self.store.objects(categories=wanted, embeddings=False) if wanted else []
             stays = self.stays([record.object_id for record in records])
-            self._known.landmarks = landmarks(records, list(stays.values()), lexicon)
+            found = landmarks(records, list(stays.values()), self.regions(), lexicon)
+            self._known.landmarks = found
         return self._known.landmarks
 
     def palette(self) -> Palette:

@@ -10,10 +10,11 @@ from typing import NamedTuple
 
 from d3a.answer import Reason, Status
 from d3a.facts import Facts
+from d3a.landmarks import FAR_M, Landmarks
 from d3a.match import Candidate, Lexicon, squash
 from d3a.moments import Entry, Found, Moment, single
 from d3a.parameters import Parameters
-from d3a.places import FAR_M, Landmarks, rooms_of, sigma_of
+from d3a.places import holders_of, sigma_of, smallest
 from d3a.plan import FilterPlace, FindObjects, Rank, Relate, Step, Unite
 from d3a.rank import Ranked
 from d3a.store.base import ObjectRecord, Region, Sighting, StayKey, StayRecord, Store
@@ -212,10 +213,10 @@ class Run:
                 fresh.setdefault(own, {})[entry.stay.key] = entry.stay
         regions = self.facts.regions()
         for own, stays in fresh.items():
-            rooms = rooms_of(regions, [(stay.position, stay.site) for stay in stays.values()])
-            near = self._near(own, [*stays.values()])
-            for stay, room, landmark in zip(stays.values(), rooms, near, strict=True):
-                self._spots[stay.key] = self._spot(stay, room, landmark)
+            held = holders_of(regions, [(stay.position, stay.site) for stay in stays.values()])
+            near = self._near(own, [*stays.values()], held)
+            for stay, rooms, landmark in zip(stays.values(), held, near, strict=True):
+                self._spots[stay.key] = self._spot(stay, smallest(rooms), landmark)
 
     def _spot(self, stay: StayRecord, room: str | None, landmark: tuple[str, float] | None) -> Spot:
         if landmark is None:
@@ -226,16 +227,21 @@ class Run:
         near = landmark[1] <= reach
         return Spot(room, near=landmark[0]) if near else Spot(room, beyond=landmark)
 
-    def _near(self, own: str, stays: Sequence[StayRecord]) -> list[tuple[str, float] | None]:
+    def _near(
+        self, own: str, stays: Sequence[StayRecord], held: Sequence[Sequence[Region]]
+    ) -> list[tuple[str, float] | None]:
         """Return the landmarks that stays are told by, as a person spells them, and how far.
 
         Never the thing itself, nor what it may be confused with: what else the question may
-        mean, or is called the same. own: the category of all of the things.
+        mean, or is called the same. own: the category of all of the things. held: the rooms that
+        hold each.
         """
         if self.landmarks is None:
             return [None] * len(stays)
         ids, kinds = self._never_landmarks()
-        return self.landmarks.nearest(stays, FAR_M, not_ids=ids, not_categories={*kinds, own})
+        rooms = [[room.name for room in each] for each in held]
+        named = {*kinds, own}
+        return self.landmarks.nearest(stays, FAR_M, rooms, not_ids=ids, not_categories=named)
 
     def _never_landmarks(self) -> tuple[frozenset[str], frozenset[str]]:
         """Return the ids and the categories that the figures of the question may be."""
