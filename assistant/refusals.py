@@ -53,6 +53,10 @@ def refusal_words(answer: Answer, query: FormalQuery, now: datetime) -> str:
         return opening + _unknown(answer, query, term) + _last_look(answer, query, now)
     if answer.reason == "gone" and query.select == "last" and query.ask != "where":
         return sentence_case(f"{opening}{_not_any_more(answer, query, now)}")
+    if answer.count and answer.otherwise is not None:
+        few = counted(answer.count, described(term, answer.unjudged))
+        told = f"I saw only {few}{condition_words(answer, query)}"
+        return f"{opening or 'No. '}{told}, last {when(answer.otherwise.end, now)}."
     none, condition = _none_of(answer, query, term), condition_words(answer, query)
     told = f"{opening}I never saw {none}{condition}."
     time = f" {slice_words(query.time, now)}" if query.time else ""

@@ -95,8 +95,6 @@ def _whether(answer: Answer, query: FormalQuery, now: datetime) -> str:
         thing = together
     elif term.quantity is not None:
         words = counted(answer.count, described(term, answer.unjudged))
-        if answer.count < term.quantity:
-            return f"No. I saw only {words}{condition}, {last}."
         if answer.least < term.quantity:
             least = counted(answer.least, described(term, answer.unjudged))
             told = f"I cannot be sure: I saw at least {least}{condition}, {last}"
@@ -196,7 +194,7 @@ def _whether_then(answer: Answer, query: FormalQuery, at: datetime, now: datetim
     after = min((k for k in heads if k.start > at), key=lambda k: (k.start, k.rank), default=None)
     told = [f"I did not see {thing}{condition} {moment}."]
     if answer.looked_then is False:
-        told = [f"I was not looking{looking_into(answer, query)} {moment}, so I cannot tell."]
+        told = [f"I was not looking{looking_into(answer, query)} {moment}."]
     for keyframe, verb in ((before, "had last seen"), (after, "next saw")):
         if keyframe is not None:
             there = there_words(keyframe, query)

@@ -87,6 +87,7 @@ class Answer:
     unjudged: conditions this store cannot judge. looked_then: for a no about a time, or what was
     seen before and after a moment, whether there was any look then (into the asked room); for the
     sentence, not part of the record.
+    count of a no: how many there were where more were asked for.
     least: how many of `count` must be different things: a moved one may have got a new id.
     apart: for a no about moving, at how many places things were seen then that may be one.
     denied: of how many things people said that they are not the owner's who is asked about, so

@@ -9,7 +9,7 @@ from d3a.moments import Found, Moment, in_slice, single
 from d3a.places import last_look
 from d3a.plan import ExplainEmpty
 from d3a.points import edge_of, looked_at
-from d3a.rank import rank
+from d3a.rank import LEAST_OF_BEST, rank
 from d3a.run import Run, milliseconds
 from d3a.store.base import Sighting, StayKey
 from grammar.forms import ANYTHING, ObjectTerm
@@ -22,6 +22,8 @@ def explain_empty(run: Run, step: ExplainEmpty) -> None:
     """
     unseen = [] if run.moments is not None else [v for v in step.vars if not run.found[v].sightings]
     if run.ranked and not (unseen and run.query.ask == "whether"):
+        if _are_too_few(run):
+            return
         if edge_of(run.query) is not None:  # what was found may be of before and after
             run.looked_then = _looked_then(run, step)
         return
@@ -41,6 +43,27 @@ def explain_empty(run: Run, step: ExplainEmpty) -> None:
     _why(run, step, var)
     run.otherwise = run.otherwise or best
     run.find_landmarks()
+
+
+def _are_too_few(run: Run) -> bool:
+    """Say whether fewer were seen than a yes or no was asked of: a no, which tells how many.
+
+    Every object counts, though two ids may be one thing: there were no more.
+    """
+    quantity = run.query.objects[0].quantity if run.query.objects else None
+    if run.query.ask != "whether" or quantity is None or run.figures > 1:
+        return False
+    standing = {id(moment) for moment in run.standing(one.moment for one in run.ranked)}
+    ranked = [one for one in run.ranked if id(one.moment) in standing]
+    number = len({one.moment.figure.sighting.object_id for one in ranked})
+    if number >= quantity:
+        return False
+    least = max(one.score for one in ranked) * LEAST_OF_BEST
+    likely = [one.moment for one in ranked if one.score >= least]
+    run.status, run.reason, run.ranked, run.counted = "not_found", "never", [], number
+    run.otherwise = max(likely, key=lambda moment: moment.end_ms)
+    run.find_landmarks()
+    return True
 
 
 def _why(run: Run, step: ExplainEmpty, var: str) -> None:

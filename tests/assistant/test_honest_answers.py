@@ -42,15 +42,13 @@ def test_at_a_moment_within_a_sighting_the_answer_is_yes(two_rooms: Home) -> Non
 
 def test_at_a_moment_before_all_only_the_next_is_told(two_rooms: Home) -> None:
     said = told(two_rooms, "Did you see a cup at 4 am today?")
-    assert said.startswith(
-        "I was not looking today at 4:00, so I cannot tell. I next saw one today"
-    )
+    assert said.startswith("I was not looking today at 4:00. I next saw one today")
 
 
 def test_a_moment_that_nobody_looked_at_is_no_plain_no(two_rooms: Home) -> None:
     said = told(two_rooms, "Was the cup in the kitchen at 2 pm today?")
     assert said == (
-        "I was not looking in the kitchen today at 14:00, so I cannot tell. I had last seen one "
+        "I was not looking in the kitchen today at 14:00. I had last seen one "
         "in the kitchen today at 12:30, 6 hours ago."
     )
 

@@ -179,6 +179,9 @@ SAID = {
     "What was on the dining table?": (
         "I saw two cups and a bowl on the dining table, last today at 12:30, 6 hours ago."
     ),
+    "Did you never see three cups?": (
+        "That is right: I saw only two cups, last today at 15:30, 4 hours ago."
+    ),
     "Did you see three cups?": "No. I saw only two cups, last today at 15:30, 4 hours ago.",
     "Did you see a wooden cup?": (
         "I cannot tell what is “wooden” here. I saw a cup on three occasions in three places, last "

@@ -160,6 +160,21 @@ def test_both_are_wanted(home: Home) -> None:
     assert {k.object_id for k in both.keyframes} == {"cup", "bowl"}
 
 
+def test_fewer_than_asked_for_is_a_no_that_tells_how_many(home: Home) -> None:
+    home.thing("mug", "cup", paint="blue")
+    home.seen("mug", 50, at=(1, 1, 1))
+    for number, status in ((1, "found"), (2, "found"), (3, "not_found")):
+        answer = run(home, whether(replace(CUP, quantity=number)))
+        assert (answer.status, answer.count) == (status, 2)
+        assert bool(answer.keyframes) == (status == "found") == (answer.reason is None)
+    assert (answer.reason, answer.least) == ("never", 0)
+    assert answer.otherwise is not None
+    assert answer.otherwise.end == at(110)
+    assert run(home, whether(replace(CUP, quantity=3), negated=True)).status == "not_found"
+    asked = replace(whether(replace(CUP, quantity=3)), ask="when")
+    assert run(home, asked).status == "found"  # no yes or no is asked for
+
+
 def test_nothing_moved_is_no_sighting_at_another_time(home: Home) -> None:
     query = FormalQuery("?", "Q3", "moved", time=TimeSlice(at(300), None))
     answer = run(home, query)
