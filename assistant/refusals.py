@@ -72,7 +72,7 @@ def refusal_words(answer: Answer, query: FormalQuery, now: datetime) -> str:
         things = definite(term, plural(described(term, answer.unjudged)))
         spread = counted(answer.apart, "place")
         told = f"I saw {things} in {spread}{time}. I cannot be sure that they are the same."
-    elif change:
+    elif change and answer.reason != "gone":
         verb = "moved" if query.ask == "moved" else ("went missing" if time else "is missing")
         seen = " that I saw" if query.ask == "missing" and query.relation is not None else ""
         told = f"As far as I saw, nothing {verb}{seen}{condition}{time}."
@@ -173,7 +173,7 @@ def _instead(other: RankedKeyframe, answer: Answer, query: FormalQuery, now: dat
     pronoun = "some" if many else "one"
     if term_of(query).category == ANYTHING:
         pronoun = article(kind_of(other))
-    elif term_of(query).owner or query.ask in _OF_A_KNOWN_THING:  # a thing they know
+    elif term_of(query).owner or query.ask in _OF_A_KNOWN_THING or answer.reason == "gone":
         pronoun = "them" if many else "it"
     opening = "I saw" if answer.reason == "not_then" else "I last saw"
     return f"{opening} {pronoun} {when(other.end, now)}{there}."

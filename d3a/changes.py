@@ -89,7 +89,7 @@ def missing(run: Run, step: KeepMissing) -> list[Moment]:
     `share_left`, which is asked where the last sighting or the look without it lies outside.
     """
     found, when = run.found[step.var], Slice.of(step)
-    gone = _gone(found)
+    gone = left_places(found)
     settled = {
         one.stay.key for one in gone if when.holds(one.last_ms) and when.holds(one.absent_ms)
     }
@@ -112,7 +112,7 @@ def missing(run: Run, step: KeepMissing) -> list[Moment]:
     return out
 
 
-def _gone(found: Found) -> list[Left]:
+def left_places(found: Found) -> list[Left]:
     """Return what was last seen at a place that was then seen without it, by object."""
     objects = by_object(found.sightings)
     newest: dict[str, int] = {}

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
-from d3a.distinct import may_be_one
+from d3a.changes import by_object, left_places
+from d3a.distinct import things_of
 from d3a.moments import Found, Moment, in_slice, single
 from d3a.places import last_look
 from d3a.plan import ExplainEmpty
@@ -107,13 +109,28 @@ def _tell_refused(run: Run, var: str) -> None:
 
 
 def _seen_apart(run: Run, step: ExplainEmpty, var: str) -> None:
-    """Note at how many places the word's things were seen, where those may be one that moved."""
+    """Note at how many places the word's things were seen, where any two may be one that moved.
+
+    So they may where the one was last seen before the other was first: within a round, too, a
+    thing may be carried. Else tell what left its place and was not seen again.
+    """
     table, time = run.found[var], looked_at(step.time)
     start, end = milliseconds(time.start), milliseconds(time.end)
     inside = [s for s in table.sightings if in_slice(s, start, end)]
-    if may_be_one(inside):
+    seen = by_object(inside)
+    things = things_of(
+        replace(
+            table.candidates[name].record,
+            first_ms=sightings[0].start_ms,
+            last_ms=max(s.end_ms for s in sightings),
+        )
+        for name, sightings in seen.items()
+    )
+    if len(set(things.values())) < len(seen):
         run.apart = len({s.stay for s in inside})
         run.otherwise = _newest(table, inside)
+    elif gone := [s for left in left_places(table) for s in left.sightings if s in inside]:
+        run.reason, run.otherwise = "gone", _newest(table, gone)
 
 
 def _looked_then(run: Run, step: ExplainEmpty) -> bool | None:

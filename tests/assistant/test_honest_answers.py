@@ -232,6 +232,23 @@ def test_what_may_have_moved_is_not_told_as_still(carried: Home) -> None:
     assert "living room" in said
 
 
+def test_what_may_have_moved_within_a_round_is_told_too(carried: Home) -> None:
+    carried.thing("d", "bowl", paint="white")
+    carried.seen("d", 0, 30, at=(1, 1, 1))
+    carried.thing("e", "bowl", paint="white")
+    carried.seen("e", 33, 60, at=(6, 1, 1))
+    assert told(carried, "When did the white bowl move?").startswith(
+        "I saw the white bowls in two places. I cannot be sure that they are the same."
+    )
+    carried.seen("e", 20, 60, at=(6, 1, 1))  # both at once
+    assert told(carried, "When did the white bowl move?").startswith("As far as I saw, nothing")
+    carried.seen("d", 0, 30, at=(1, 1, 1), absent=50)
+    assert told(carried, "When did the white bowl move?") == (
+        "I looked again and the white bowl was gone. I last saw it today at 12:30, 6 hours ago, in "
+        "the kitchen."
+    )
+
+
 def test_what_turned_up_elsewhere_under_another_id_is_not_missing(carried: Home) -> None:
     assert told(carried, "Is anything missing?").startswith("As far as I saw, nothing is missing.")
     del carried.objects["k2"]
