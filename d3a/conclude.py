@@ -8,6 +8,7 @@ from datetime import datetime
 
 from d3a.answer import Answer, RankedKeyframe
 from d3a.distinct import least_number
+from d3a.frozen import maker
 from d3a.model import Json
 from d3a.moments import Entry, total_ms
 from d3a.rank import Ranked, entry_score
@@ -15,6 +16,8 @@ from d3a.run import Run, milliseconds
 from d3a.steps import FindObjects
 from d3a.store.base import Sighting
 from grammar.forms import VARIABLES, TimeSlice
+
+_ranked_keyframe = maker(RankedKeyframe)
 
 
 def conclude(run: Run, limit: int) -> Answer:
@@ -99,7 +102,7 @@ def keyframe(
     assert start is not None
     assert end is not None
     spot = run.spot(entry)
-    return RankedKeyframe(
+    return _ranked_keyframe(
         rank=rank,
         score=score,
         object_id=sighting.object_id,

@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from d3a.frozen import maker
 from d3a.model import Box
 from d3a.moments import Found, extents, positions
 from d3a.pairs import Floats, Pairs, placed_together, with_middles
@@ -67,6 +68,7 @@ class Link(NamedTuple):
         return self.sightings[0].viewer or self.sightings[1].viewer or _NO_POSE
 
 
+_sighting = maker(Sighting)
 _NO_BOX: Box = (math.nan, math.nan, math.nan, math.nan)
 _NO_POSE = (math.nan,) * 7
 FAR_M = 1e6
@@ -76,7 +78,7 @@ FAR_M = 1e6
 def _seen(encounter: Encounter, stay: StayKey, box: Box) -> Sighting:
     """Return one side of an encounter as a sighting in its frame."""
     e = encounter  # by position: there are hundreds of them
-    return Sighting(
+    return _sighting(
         stay[0],
         stay[1],
         e.start_ms,

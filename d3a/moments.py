@@ -141,12 +141,13 @@ def in_slice(sighting: Sighting, start_ms: int | None, end_ms: int | None) -> bo
 
 def entry_of(found: Found, sighting: Sighting) -> Entry:
     """Return the entry of a sighting of one of the found objects."""
+    stay = (sighting.object_id, sighting.place)
     return Entry(
         found.candidates[sighting.object_id],
-        found.stays.get(sighting.stay),
+        found.stays.get(stay),
         sighting,
-        found.place.get(sighting.stay, 1.0),
-        found.held.get(sighting.stay, 1.0),
+        found.place.get(stay, 1.0),
+        found.held.get(stay, 1.0),
     )
 
 

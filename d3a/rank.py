@@ -24,6 +24,8 @@ TENTATIVE = 0.8
 """A thing seen too seldom to be confirmed may be a mistake that its own probability hides."""
 UNJUDGED = 0.6
 """A condition that nobody could judge may well not hold."""
+SUREST = 0.999
+"""No detector is surer of one picture."""
 LEAST_OF_BEST = 0.5
 """Time decides the order among those at least this likely against the best."""
 
@@ -99,7 +101,12 @@ def views_probability(probability: float, views: int) -> float:
 
     Looks at one thing agree with each other, so n of them count as the square root of n.
     """
-    return 1.0 - math.pow(1.0 - min(probability, 0.999), math.sqrt(max(views, 1)))
+    return 1.0 - math.pow(1.0 - min(probability, SUREST), _looks(views))
+
+
+def _looks(views: int) -> float:
+    """Return as how many independent looks so many views count."""
+    return math.sqrt(max(views, 1))
 
 
 def entry_score(entry: Entry) -> tuple[float, Json]:
@@ -147,18 +154,20 @@ def _is_tentative(entry: Entry) -> bool:
 
 def _scored(moments: Sequence[Moment], unjudged: int) -> list[Ranked]:
     """Return the moments with their scores; what is one object's at one place is computed once."""
-    shared: dict[tuple[int, int, float, float], float] = {}
+    shared: dict[tuple[int, int, float, float], tuple[float, float]] = {}
     left_out = UNJUDGED**unjudged
     out: list[Ranked] = []
     for moment in moments:
         product, by_looks = 1.0, False
         for entry in moment.entries:
-            candidate, stay, _, place, held = entry
+            candidate, stay, sighting, place, held = entry
             key = (id(candidate), id(stay), place, held)
             own = shared.get(key)
             if own is None:
-                own = shared[key] = _of_stay(entry)
-            product *= own * _detected(entry)
+                own = shared[key] = (_of_stay(entry), 0.0 if stay is None else _looks(stay.seen))
+            looks = own[1] or _looks(sighting.seen)
+            missed = math.pow(1.0 - min(sighting.probability, SUREST), looks)
+            product *= own[0] * (1.0 - missed)
             by_looks = by_looks or bool(candidate.attributes)
         if moment.relation is not None:
             product *= moment.relation

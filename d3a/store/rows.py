@@ -7,6 +7,7 @@ import struct
 from collections.abc import Callable, Sequence
 from typing import Any
 
+from d3a.frozen import maker
 from d3a.store.base import (
     Encounter,
     ObjectRecord,
@@ -26,6 +27,8 @@ _EXTENT = struct.Struct("<2d")
 _COVARIANCE = struct.Struct("<9d")
 _decoded = json.JSONDecoder().raw_decode
 """A quarter of what `json.loads` takes: it does not look for blanks, of which none were written."""
+_object, _stay = maker(ObjectRecord), maker(StayRecord)
+_sighting, _encounter = maker(Sighting), maker(Encounter)
 
 OBJECT_COLUMNS = (
     "object_id, category, weight, first_ms, last_ms, site, categories, names, embedding, "
@@ -90,7 +93,7 @@ def object_row(record: ObjectRecord) -> Row:
 
 def object_record(row: Row) -> ObjectRecord:
     """Return the record of a row of OBJECT_COLUMNS; positional: lists of thousands are read."""
-    return ObjectRecord(
+    return _object(
         row[0],
         row[1],
         row[2],
@@ -133,7 +136,7 @@ def stay_row(record: StayRecord) -> Row:
 
 def stay_record(row: Row) -> StayRecord:
     """Return the record of a row of STAY_COLUMNS; positional: lists of thousands are read."""
-    return StayRecord(
+    return _stay(
         row[0],
         row[1],
         None if row[2] is None else (row[2], row[3], row[4]),
@@ -171,7 +174,7 @@ def sighting_row(record: Sighting) -> Row:
 
 def sighting_record(row: Row) -> Sighting:
     """Return the record of a row of SIGHTING_COLUMNS; positional: lists of thousands are read."""
-    return Sighting(
+    return _sighting(
         row[0],
         row[1],
         row[2],
@@ -211,7 +214,7 @@ def encounter_row(record: Encounter) -> Row:
 
 def encounter_record(row: Row) -> Encounter:
     """Return the record of a row of ENCOUNTER_COLUMNS."""
-    return Encounter(
+    return _encounter(
         row[0],
         row[1],
         row[2],

@@ -47,7 +47,7 @@ from d3a.store.rows import (
     view_record,
 )
 from d3a.store.sqlite_dump import Moment
-from d3a.store.sqlite_newest import Newest, count_seen
+from d3a.store.sqlite_newest import Newest, StayRows, count_seen
 from d3a.store.sqlite_read import Select
 
 BUSY_TIMEOUT_S = 10.0
@@ -82,6 +82,7 @@ class SqliteStore:
         self._db = connection
         self._lock = threading.RLock()
         self._observer: Callable[[NativeQuery], None] | None = None
+        self._stay_rows = StayRows()
         with self._translated():
             self._trees = schema.has_trees(connection)
 
@@ -248,7 +249,7 @@ class SqliteStore:
 
     def stays_at(self, keys: Sequence[StayKey]) -> list[StayRecord]:
         """Return these stays of those that there are, by (object_id, place)."""
-        return [stay_record(row) for row in self._select(sqlite_read.stays_at(keys))]
+        return [stay_record(row) for row in self._stay_rows.read(self._rows, keys)]
 
     def sightings(
         self,
@@ -274,7 +275,7 @@ class SqliteStore:
     ) -> list[Sighting]:
         """Return at most `limit` sightings, the newest of each stay first; see `Store.newest`."""
         asked = Newest(object_ids, limit, start_ms, end_ms, oldest=oldest)
-        return [sighting_record(row) for row in asked.read(self._rows)]
+        return [sighting_record(row) for row in self._stay_rows.kept(asked.read(self._rows))]
 
     def reach(self, object_ids: Sequence[str], count: int) -> int | None:
         """Return the start of the count-th newest sighting of any of the objects."""

@@ -1,4 +1,4 @@
-"""The newest sightings of many objects, from an index and without reading the rest.
+"""The newest sightings of many objects, and their stays, without reading the rest.
 
 A history of months holds more sightings of a common thing than a person can be told. Windows of
 time are walked from the newest (or the oldest) on, each as wide as should hold enough, until
@@ -22,13 +22,21 @@ from d3a.store.sqlite_read import (
     seen,
     seen_within,
     sightings,
+    stays_at,
+    stays_of_rows,
     touching,
 )
 
 Rows = Callable[[str, dict[str, Any]], list[Row]]
 _ORDER = "s.start_ms, s.object_id, s.place"
+_COLUMNS = columns_of("s", f"{SIGHTING_COLUMNS}, stay_id")
 PROBE = 4
 """A step into an index costs as much as so many rows that are walked."""
+SPARE = 2.5
+"""Sightings that the first window should hold for each stay that is wanted: two of a stay are
+usual, and a window that falls short by one stay costs as much again."""
+MANY_TIMES = 10
+"""Where so many times the limit are to be expected, they are surely more than the limit."""
 _EXTENT = """
 SELECT (SELECT max(id) FROM sighting), (SELECT min(start_ms) FROM sighting),
   (SELECT max(start_ms) FROM sighting), (SELECT max(rowid) FROM oic),
@@ -56,6 +64,15 @@ class _Extent:
     def a_ms(self) -> float:
         """How many sightings of any object start in a millisecond."""
         return self.sightings / max(1, self.last_ms - self.first_ms)
+
+    def within(self, start_ms: int | None, end_ms: int | None) -> tuple[int, int]:
+        """Return from when to when what touches the closed [start, end] may start."""
+        low = self.first_ms if start_ms is None else max(self.first_ms, start_ms - self.longest_ms)
+        return low, self.last_ms if end_ms is None else min(self.last_ms, end_ms)
+
+    def expected(self, width_ms: int, ids: int) -> float:
+        """Return how many sightings of so many objects start in a span, seen as often as others."""
+        return self.a_ms * width_ms * min(1.0, ids / max(1, self.objects))
 
     def is_walked(self, width_ms: int, ids: int) -> bool:
         """Whether to walk through so much time beats a step into an index for each of the ids."""
@@ -111,20 +128,23 @@ class Newest:
     oldest: bool = False
 
     def read(self, rows: Rows) -> list[Row]:
-        """Return the rows of SIGHTING_COLUMNS. rows: runs a query."""
+        """Return the rows of SIGHTING_COLUMNS and stay_id. rows: runs a query."""
         ids = sorted(dict.fromkeys(self.object_ids))
-        if not ids or self.limit < 1:
+        extent = _Extent.read(rows) if ids and self.limit > 0 else None
+        if extent is None:
             return []
-        if len(ids) <= MANY_IDS and self._are_few(rows, ids):
+        low, high = extent.within(self.start_ms, self.end_ms)
+        many = extent.expected(high - low, len(ids)) > MANY_TIMES * self.limit
+        if not many and len(ids) <= MANY_IDS and self._are_few(rows, ids):
             return self._all(rows, ids)
-        stays = self._walk(rows, ids)
+        stays = self._walk(rows, ids, extent)
         if len(stays.newest) < self.limit:
             if stays.sightings <= self.limit:
                 return self._all(rows, ids)
             return self._several_of_each(rows, sorted(stays.newest))
         source = "json_each(:rows) j CROSS JOIN sighting s ON s.id = j.value"
         best = as_list(stays.best(self.limit, oldest=self.oldest))
-        select = Select(columns_of("s", SIGHTING_COLUMNS), source, _ORDER, [], {"rows": best})
+        select = Select(_COLUMNS, source, _ORDER, [], {"rows": best})
         return rows(select.text(), select.parameters)
 
     def _are_few(self, rows: Rows, ids: Sequence[str]) -> bool:
@@ -137,21 +157,14 @@ class Newest:
 
     def _all(self, rows: Rows, ids: Sequence[str]) -> list[Row]:
         select = sightings(ids, None, self.start_ms, self.end_ms, trees=False)
+        select.columns = _COLUMNS
         return rows(select.text(), select.parameters)
 
-    def _walk(self, rows: Rows, ids: Sequence[str]) -> _Stays:
+    def _walk(self, rows: Rows, ids: Sequence[str], extent: _Extent) -> _Stays:
         """Return the stays of windows of time, until they are enough or there is no more."""
         found = _Stays()
-        extent = _Extent.read(rows)
-        if extent is None:
-            return found
-        low, high = extent.first_ms, extent.last_ms
-        if self.start_ms is not None:
-            low = max(low, self.start_ms - extent.longest_ms)
-        if self.end_ms is not None:
-            high = min(high, self.end_ms)
-        share = min(1.0, len(ids) / max(1, extent.objects))
-        width = max(60_000, round(2 * self.limit / (extent.a_ms * share)))
+        low, high = extent.within(self.start_ms, self.end_ms)
+        width = max(60_000, round(SPARE * self.limit / extent.expected(1, len(ids))))
         listed = as_list(ids)
         while low <= high and len(found.newest) < self.limit:
             begin = low if self.oldest else max(low, high - width + 1)
@@ -183,7 +196,35 @@ class Newest:
             "AND p.place = json_extract(j.value, '$[1]') "
             f"CROSS JOIN sighting s ON s.id IN ({inner.text()} LIMIT :each)"
         )
-        select = Select(columns_of("s", SIGHTING_COLUMNS), source, _ORDER)
+        select = Select(_COLUMNS, source, _ORDER)
         each = max(1, self.limit // len(stays))
         given = {**inner.parameters, "stays": as_list(stays), "each": each}
         return rows(select.text(), given)
+
+
+class StayRows:
+    """Where the stays of the sightings lie that were read last: they are found without their index.
+
+    In a large store nothing of it is in memory: what is asked of a hundred stays would read a
+    hundred pages of the index and then a hundred of the table.
+    """
+
+    def __init__(self) -> None:
+        self._row_ids: dict[StayKey, int] = {}
+
+    def kept(self, found: list[Row]) -> list[Row]:
+        """Return what `Newest` read, and keep the row ids of its stays."""
+        self._row_ids = {(row[0], row[1]): row[-1] for row in found}
+        return found
+
+    def read(self, rows: Rows, keys: Sequence[StayKey]) -> list[Row]:
+        """Return what `Store.stays_at` does. rows: runs a query."""
+        wanted = sorted(set(keys))
+        row_ids = self._row_ids
+        if all(key in row_ids for key in wanted):
+            select = stays_of_rows([row_ids[key] for key in wanted])
+            found = rows(select.text(), select.parameters)
+            if [row[:2] for row in found] == wanted:  # another's by now, where it was written anew
+                return found
+        select = stays_at(wanted)
+        return rows(select.text(), select.parameters)

@@ -153,14 +153,20 @@ def stays(
 
 
 def stays_at(keys: Sequence[StayKey]) -> Select:
-    """Return the query of `Store.stays_at`."""
+    """Return the query of `Store.stays_at`: keys in order, none twice."""
     source = (
         "json_each(:keys) j CROSS JOIN stc p "
         "ON p.object_id = json_extract(j.value, '$[0]') AND p.place = json_extract(j.value, '$[1]')"
     )
     select = Select(columns_of("p", STAY_COLUMNS), source, "p.object_id, p.place")
-    select.parameters["keys"] = as_list(sorted(set(keys)))
+    select.parameters["keys"] = as_list(keys)
     return select
+
+
+def stays_of_rows(row_ids: Sequence[int]) -> Select:
+    """Return the query of the stays with these row ids, in their order."""
+    source = "json_each(:rows) j CROSS JOIN stc p ON p.stay_id = j.value"
+    return Select(columns_of("p", STAY_COLUMNS), source, "", [], {"rows": as_list(row_ids)})
 
 
 def _stays_in_box(columns: str, order: str, *, trees: bool) -> Select:

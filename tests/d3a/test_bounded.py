@@ -16,7 +16,7 @@ from d3a.answer import Answer
 from d3a.facts import Facts
 from d3a.moments import joined
 from d3a.store import open_store, sqlite_newest
-from d3a.store.base import Encounter, NativeQuery, Sighting, Store
+from d3a.store.base import Batch, Encounter, NativeQuery, Sighting, StayKey, Store
 from d3a.store.newest import newest_of
 from tests.worlds import scaled
 from tests.worlds.made import NOON, NOW, Home, ms
@@ -34,12 +34,16 @@ def home(tmp_path_factory: pytest.TempPathFactory) -> str:
     return path
 
 
-@pytest.mark.parametrize(("many", "probe"), [(0, 4), (0, 1_000_000), (10, 4), (1000, 4)])
+@pytest.mark.parametrize(
+    ("many", "probe", "times"),
+    [(0, 4, 10), (0, 1_000_000, 10), (10, 4, 10), (1000, 4, 10), (1000, 4, 0)],
+)
 def test_the_newest_of_each_stay_by_windows_as_by_reading_all(
-    home: str, many: int, probe: int, monkeypatch: pytest.MonkeyPatch
+    home: str, many: int, probe: int, times: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(sqlite_newest, "MANY_IDS", many)
     monkeypatch.setattr(sqlite_newest, "PROBE", probe)  # so large: time is walked through
+    monkeypatch.setattr(sqlite_newest, "MANY_TIMES", times)  # 0: few are walked through, too
     draw = random.Random(many)
     first, last = scaled.span_ms(600)
     with closing(open_store(home, read_only=True)) as store:
@@ -54,6 +58,42 @@ def test_the_newest_of_each_stay_by_windows_as_by_reading_all(
             assert found == newest_of(read, limit, oldest=oldest)
             seen = store.count_seen([*some, some[0]], start_ms=start, end_ms=end)
             assert seen == len({sighting.object_id for sighting in read})
+
+
+def stays_of(found: list[Sighting]) -> list[StayKey]:
+    return sorted({sighting.stay for sighting in found})
+
+
+def test_stays_of_what_was_read_last_are_found_without_an_index(home: str) -> None:
+    with closing(open_store(home, read_only=True)) as store:
+        ids = [record.object_id for record in store.objects(embeddings=False)]
+        for limit in (5, 60):
+            keys = stays_of(store.newest(ids, limit))
+            wanted = [stay for stay in store.stays() if stay.key in keys]
+            asked: list[NativeQuery] = []
+            store.tracing(asked.append)
+            assert store.stays_at([*reversed(keys), keys[0]]) == wanted
+            store.tracing(None)
+            assert [query.index for query in asked] == ["INTEGER PRIMARY KEY"]
+            assert store.stays_at([(ids[0], 99), keys[0]]) == wanted[:1]
+
+
+def test_a_stay_that_another_wrote_anew_is_found_where_it_is_now(tmp_path: Path) -> None:
+    home = Home()
+    for name in ("a", "b", "c"):
+        home.thing(name, "cup")
+        home.seen(name, 10, at=(1.0, 1.0, 0.0))
+    path = str(tmp_path / "home.db")
+    with closing(open_store(path)) as store, closing(open_store(path)) as other:
+        home.into(store)
+        keys = stays_of(store.newest(["a", "b", "c"], 9))
+        stays, sightings = other.stays(), other.sightings()
+        other.apply(Batch(removed_stays=keys))
+        swapped = list(reversed(stays))  # each lies where another lay
+        other.apply(Batch(stays=swapped, sightings=sightings))
+        assert store.stays_at(keys) == stays
+        other.apply(Batch(removed_stays=keys[:1]))
+        assert store.stays_at(keys) == stays[1:]
 
 
 def test_a_choice_of_the_newest_is_not_kept_as_all_that_there_is(tmp_path: Path) -> None:
