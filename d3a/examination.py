@@ -22,6 +22,7 @@ from d3a.store.base import (
     StoreDamaged,
     StoreError,
 )
+from d3a.store.errors import DAMAGED_PAGES
 
 _SHOWN = 5
 
@@ -35,6 +36,11 @@ def examine(store: Store) -> list[str]:
         except StoreDamaged as error:
             found.append(f"{what} cannot all be read: {error.__cause__ or error}")
     return found
+
+
+def is_beyond(damage: Sequence[str]) -> bool:
+    """Say whether `mend` would refuse this damage as a whole: pages of the file are hit."""
+    return any(sentence.startswith(DAMAGED_PAGES) for sentence in damage)
 
 
 def mend(store: Store) -> list[str]:

@@ -129,7 +129,7 @@ def check(context: click.Context, repair: bool, as_json: bool) -> None:
 
 def _checked(settings: Settings, *, repair: bool) -> tuple[list[str], list[str], str]:
     """Return what is damaged, what was mended, and what would do."""
-    from d3a.examination import examine, mend
+    from d3a.examination import examine, is_beyond, mend
     from d3a.store.base import StoreDamaged
 
     mended: list[str] = []
@@ -137,7 +137,9 @@ def _checked(settings: Settings, *, repair: bool) -> tuple[list[str], list[str],
     try:
         with opened(settings) as store:
             damage = examine(store)
-            if repair and damage:
+            if is_beyond(damage):
+                hint = f"its pages cannot be mended; {_BEYOND}"
+            elif repair and damage:
                 try:
                     mended = mend(store)
                     damage = examine(store)

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from d3a.model import D3AError
 
+DAMAGED_PAGES = "the file is damaged: "
+"""How `Store.check` tells of what `repair` cannot mend: then it mends nothing at all."""
+
 
 class StoreError(D3AError):
     """The store failed or refused; the message says which store, why, and what would do."""

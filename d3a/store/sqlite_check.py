@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+import re
 import sqlite3
 
+from d3a.store.errors import DAMAGED_PAGES
 from d3a.store.schema import SLACK_M
 from d3a.store.sqlite_errors import is_damage
 
 _SHOWN = 5
+_OF_INDEXES = re.compile(
+    r"missing from index|wrong # of entries in index|non-unique entry in index"
+)
+"""What an index built anew mends; where pages are damaged, one cannot even be."""
 _COUNTED = {
     "objects": "oic",
     "stays": "stc",
@@ -83,7 +89,10 @@ def counts(connection: sqlite3.Connection) -> dict[str, int]:
 
 def check(connection: sqlite3.Connection, *, trees: bool) -> list[str]:
     """Return a sentence for each kind of damage, with the first few records that show it."""
-    found = [f"the file is damaged: {text}" for text in page_damage(connection)]
+    found = [
+        f"an index is damaged: {text}" if _OF_INDEXES.search(text) else f"{DAMAGED_PAGES}{text}"
+        for text in page_damage(connection)
+    ]
     try:
         found += _dangling(connection, trees=trees)
     except sqlite3.DatabaseError as error:

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from d3a.examination import examine
+from d3a.examination import examine, is_beyond
 from d3a.store import open_store
 from d3a.store.base import Batch, Store, StoreDamaged, StoreError
 from tests.worlds import small_home
@@ -109,6 +109,28 @@ def test_a_picture_is_not_both_put_and_removed(make_store: Callable[[], Store]) 
             store.apply(Batch(keyframes=[picture], removed_keyframes=["p1"]))
 
 
+def test_entries_that_an_index_lacks_are_made_anew(tmp_path: Path) -> None:
+    path = tmp_path / "home.db"
+    with closing(open_store(str(path))) as store:
+        small_home.fill(store)
+
+    def edited(*statements: tuple[str, tuple[object, ...]]) -> list[tuple[object, ...]]:
+        with closing(sqlite3.connect(path)) as connection, connection:
+            connection.execute("PRAGMA writable_schema = ON")
+            return [row for each in statements for row in connection.execute(*each)]
+
+    schema = "sqlite_master WHERE name = 'seen_area_end'"
+    (index,) = edited((f"SELECT * FROM {schema}", ()), (f"DELETE FROM {schema}", ()))
+    edited(("DELETE FROM seen_area WHERE start_ms = (SELECT min(start_ms) FROM seen_area)", ()))
+    edited(("INSERT INTO sqlite_master VALUES (?, ?, ?, ?, ?)", index))
+    with closing(open_store(str(path))) as store:
+        damage = examine(store)
+        assert damage[0].startswith("an index is damaged: ")
+        assert not is_beyond(damage)
+        assert store.repair() == ["built the indexes and the R*Trees anew"]
+        assert examine(store) == []
+
+
 def overwrite(path: Path, table: str, share: float = 0.5) -> None:
     """Write nonsense over pages of a table, as a dying disk does."""
     with closing(sqlite3.connect(path)) as connection:
@@ -131,7 +153,9 @@ def test_damaged_pages_are_listed_and_left_alone(tmp_path: Path, table: str) -> 
     overwrite(path, table)
     before = path.read_bytes()
     with closing(open_store(str(path))) as store:
-        assert any(table in sentence for sentence in examine(store))
+        damage = examine(store)
+        assert any(table in sentence for sentence in damage)
+        assert is_beyond(damage)
         with pytest.raises(StoreDamaged, match="damaged"):
             store.repair()
         assert examine(store)
