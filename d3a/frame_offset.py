@@ -15,6 +15,10 @@ from d3a.parameters import Parameters
 from d3a.symmetric import Six, Vector, inverse, of_rows, squared, times
 
 Floats = NDArray[np.float64]
+JUMP_M = 0.7
+"""How far off, along each axis of the plane, a robot is that lost its way: twice the usual."""
+LEAST_M2 = 1e-6
+"""A millimetre: what is exact is known as well as that."""
 
 
 @dataclass(slots=True)
@@ -47,6 +51,23 @@ class FrameOffset:
         self.mean = self.mean * keep
         self.covariance = self.covariance * keep**2 + prior * (1 - keep**2)
         self.time_ms = time_ms
+
+    def lost(self, pose: Pose) -> FrameOffset:
+        """Return the state of a robot that may be somewhere else in the plane than it thinks."""
+        wide = pose_covariance(pose, self.parameters)
+        wide[:2, :2] += np.eye(2) * JUMP_M**2
+        return FrameOffset(self.parameters, np.zeros(3), wide, self.time_ms)
+
+    def likely(self, before: FrameOffset) -> float:
+        """Return how likely the state was, of one that was known so before a frame, in the plane.
+
+        Natural logarithm, with the share of what was possible that is left: what explains a frame
+        only by being anywhere is worth less.
+        """
+        away = (self.mean - before.mean)[:2]
+        left, of = (each.covariance[:2, :2] + np.eye(2) * LEAST_M2 for each in (self, before))
+        narrower = np.linalg.slogdet(left)[1] - np.linalg.slogdet(of)[1]
+        return float(narrower - away @ np.linalg.solve(of, away)) / 2
 
     def correct(self, known: Iterable[tuple[Vector, Six]]) -> None:
         """Take in how far known things were off: residuals with their covariances.

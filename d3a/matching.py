@@ -7,108 +7,43 @@ localisation's error is common to all its detections, and drifts slowly), the se
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from d3a import likelihood
+from d3a.compared import NEVER, Assigned, Frame, Gated, Scoring
 from d3a.frame_offset import FrameOffset
 from d3a.known import Known, Place
 from d3a.likelihood import BESIDE, OTHER, SAME, UPPER, VARIANCES, CategoryModel, LookModel
 from d3a.look_space import LookSpace
 from d3a.memory import Memory
 from d3a.model import Pose
-from d3a.neighbours import REACH_M, Neighbours
+from d3a.neighbours import REACH_M, Neighbours, beside
 from d3a.observed import Observed
 from d3a.parameters import Parameters
 from d3a.symmetric import of_rows
+from d3a.wrong_range import WrongRanges
 
 Floats = NDArray[np.float64]
-NEVER = -1e9
-"""Score of a pair that is not compared: out of the gate."""
+STRANGE_LEAST = 2
+"""So many things of a frame that look like known ones elsewhere ask whether the robot is elsewhere:
+one may have been moved."""
+JUMP_ODDS = 5.0
+"""Log-odds (150 to 1) that a frame's localisation did not jump, before it is looked at."""
 
-Match = tuple[Known, Place | None] | None
-"""The thing and the place of it that a detection is at, None for a new thing."""
 
+class Match(NamedTuple):
+    """The thing and the place of it that a detection is at; None: its only one, without position.
 
-@dataclass(frozen=True, slots=True)
-class Frame:
-    """What of a frame's things is the same for all that they are compared with.
-
-    places: (3, n). noise: (6, n), the numbers xx xy xz yy yz zz of each detection's own, corrected
-    by what is learned. placed: (n,), whose places tell what stands beside them. near: pairs of
-    things, both ways, that stand side by side. shells_m3: see `Neighbours`.
+    in_range: False where the detection's own range, and so its position and size, is wrong.
     """
 
-    observed: Observed
-    places: Floats
-    noise: Floats
-    placed: NDArray[np.bool_]
-    near: frozenset[tuple[int, int]]
-    shells_m3: Floats
-
-
-@dataclass(frozen=True, slots=True)
-class Gated:
-    """Where rows of places go in a table of things: each thing's first, and its further ones.
-
-    rows: in the table of positions, by thing; columns: those of that table. first: indices of
-    rows, and target, the thing that each is of. further: the same of things that moved, in turns
-    that have each thing once. placeless: columns of things without a position. things: how many.
-    """
-
-    rows: NDArray[np.intp]
-    columns: Floats
-    first: NDArray[np.intp]
-    target: NDArray[np.intp]
-    further: list[tuple[NDArray[np.intp], NDArray[np.intp]]]
-    placeless: list[int]
-    things: int
-
-
-@dataclass(frozen=True, slots=True)
-class Scoring:
-    """The evidence of category and look of each detection for each thing, all (n, m).
-
-    agreed, differing: of the category, if the thing is of it, and if it was named wrongly.
-    same, beside: of the look, against another thing of the category, and against one of another
-    category that stands beside. likeness: the cosines, NaN if unknown; None without pictures.
-    """
-
-    agreed: Floats
-    differing: Floats
-    same: Floats | float = 0.0
-    beside: Floats | float = 0.0
-    likeness: Floats | None = None
-
-    def total(self, place: Floats) -> Floats:
-        """Return all evidence (n, m) with that of place (2, n, m)."""
-        return np.asarray(
-            np.logaddexp(
-                self.agreed + place[0] + self.same, self.differing + place[1] + self.beside
-            )
-        )
-
-    def without_look(self, place: Floats) -> Floats:
-        """Return the evidence of place and category alone."""
-        return np.asarray(np.logaddexp(self.agreed + place[0], self.differing + place[1]))
-
-
-def _beside(observed: Observed, placed: NDArray[np.bool_]) -> dict[tuple[int, int], float]:
-    """Return the pairs of a frame's things that stand side by side, and how far apart they are."""
-    found: dict[tuple[int, int], float] = {}
-    rows = observed.places.tolist()
-    known = [i for i in np.flatnonzero(placed).tolist() if not math.isnan(rows[i][0])]
-    for k, i in enumerate(known):
-        x, y, z = rows[i]
-        for j in known[:k]:
-            dx, dy, dz = x - rows[j][0], y - rows[j][1], z - rows[j][2]
-            if -REACH_M <= dx <= REACH_M and -REACH_M <= dy <= REACH_M:
-                apart_m = math.sqrt(dx * dx + dy * dy + dz * dz)
-                if apart_m <= REACH_M:
-                    found[j, i] = apart_m
-    return found
+    thing: Known
+    place: Place | None
+    in_range: bool = True
 
 
 def _indices(numbers: list[int]) -> NDArray[np.intp]:
@@ -126,6 +61,7 @@ class Matcher:
         self.looks = LookModel(parameters)
         self.space = LookSpace(parameters)
         self.neighbours = Neighbours(parameters)
+        self._ranges = WrongRanges(memory, parameters)
         self.offset = FrameOffset.unknown(parameters)
         self.one: frozenset[str] = frozenset()
         """Ids of what a person made one of several: it may look like any of them."""
@@ -143,19 +79,77 @@ class Matcher:
         learned = float(self.residuals[0] / self.residuals[1])
         return max(self._parameters.noise_least, learned)
 
-    def match(self, observed: Observed, time_ms: int, pose: Pose | None) -> list[Match]:
-        """Return for each observed thing what it is; updates the frame's offset."""
+    def match(self, observed: Observed, time_ms: int, pose: Pose | None) -> list[Match | None]:
+        """Return for each observed thing what it is, None for new; updates the frame's offset."""
         self.offset.predict(time_ms, pose)
         if not observed.things:
             return []
         frame = self._frame(observed, pose)
         self.space.add(observed.looks)
-        rows, owners = self._gate(frame)
-        things = self._candidates(observed, owners)
-        if not things:
-            return [None] * len(observed.things)
-        for thing in things:
+        before = replace(self.offset)
+        found = self._explained(frame, pose)
+        if pose is not None and found.strange >= STRANGE_LEAST:
+            found = self._elsewhere(frame, pose, found, before)
+        for thing in found.things:
             thing.compared_ms = time_ms
+        if found.scoring.likeness is not None:
+            evidence = found.scoring.without_look(found.place)
+            self._learn(frame, found.things, found.taken, found.scoring.likeness, evidence)
+        for lost in found.misplaced.values():
+            lost.thing.compared_ms = time_ms
+            if not lost.by_view:
+                self._ranges.loosen(lost.place)
+        return [self._match(found, i) for i in range(len(found.taken))]
+
+    def _match(self, found: Assigned, i: int) -> Match | None:
+        column = found.taken[i]
+        if column >= 0:
+            return Match(found.things[column], self._at(int(found.at[i, column])))
+        if (lost := found.misplaced.get(i)) is None:
+            return None
+        return Match(lost.thing, lost.place, not lost.by_view)
+
+    def _elsewhere(
+        self, frame: Frame, pose: Pose, found: Assigned, before: FrameOffset
+    ) -> Assigned:
+        """Ask whether the robot is elsewhere than it thinks: a localisation jumps at times.
+
+        before: how far off it was, before the frame.
+        """
+        new, kept = self._parameters.new_thing_odds, self.offset
+        lost = before.lost(pose)
+        self.offset = replace(lost)
+        other = self._explained(frame, pose)
+        jumped = other.worth(new) + self.offset.likely(lost) - JUMP_ODDS
+        if jumped > found.worth(new) + kept.likely(before):
+            return other
+        self.offset = kept
+        return found
+
+    def _explained(self, frame: Frame, pose: Pose | None) -> Assigned:
+        """Return what a frame's things are, where the localisation is off as is known by now."""
+        found = self._assigned(frame)
+        new = [i for i, c in enumerate(found.taken) if c < 0 and not frame.observed.nowhere[i]]
+        if pose is None or not new:
+            return found
+        taken = {found.things[c].number for c in found.taken if c >= 0}
+        part = frame.part(new)
+        things = self._ranges.alike(part.observed.things, taken)
+        if not things:
+            return found
+        scoring = self._scoring(part, things)
+        strange, misplaced = self._ranges.find(part, pose, self.offset, things, scoring)
+        misplaced = {new[k]: each for k, each in misplaced.items()}
+        return replace(found, misplaced=misplaced, strange=strange)
+
+    def _assigned(self, frame: Frame) -> Assigned:
+        """Return the likeliest assignment; corrects the frame's offset by it."""
+        rows, owners = self._gate(frame)
+        things = self._candidates(frame.observed, owners)
+        if not things:
+            none = np.zeros((len(frame.observed.things), 0))
+            taken = [-1] * len(none)
+            return Assigned([], taken, none.astype(np.intp), none, Scoring(none, none), none)
         scoring = self._scoring(frame, things)
         gated = self._gated(things, rows, owners)
         place, at = self._place(frame, gated)
@@ -166,12 +160,7 @@ class Matcher:
             place, at = self._place(frame, gated)
             score = scoring.total(place)
             taken = likelihood.assign(score, new)
-        if scoring.likeness is not None:
-            self._learn(frame, things, taken, scoring.likeness, scoring.without_look(place))
-        return [
-            None if column < 0 else (things[column], self._at(int(at[i, column])))
-            for i, column in enumerate(taken)
-        ]
+        return Assigned(things, taken, at, place, scoring, score)
 
     def _at(self, row: int) -> Place | None:
         return self._memory.positions.owners[row][1] if row >= 0 else None
@@ -181,7 +170,7 @@ class Matcher:
         noise = observed.noise.reshape(-1, 9).T[UPPER] * self._scale(pose)
         sigma = np.sqrt((noise[0] + noise[3] + noise[5]) / 3)
         placed = sigma <= REACH_M / 2
-        apart = _beside(observed, placed)
+        apart = beside(observed.places, placed)
         names = [thing.detection.category for thing in observed.things]
         self.neighbours.add(
             len(names), [apart_m for (i, j), apart_m in apart.items() if names[i] != names[j]]

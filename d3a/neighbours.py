@@ -7,6 +7,7 @@ are two things, so every frame tells.
 
 from __future__ import annotations
 
+import math
 from bisect import bisect
 from collections.abc import Iterable
 
@@ -60,3 +61,22 @@ class Neighbours:
         """
         shells = self.shells_m3() if shells_m3 is None else shells_m3
         return np.asarray(shells[_ENDS_M2.searchsorted(apart_m2, side="right")])
+
+
+def beside(places: Floats, placed: NDArray[np.bool_]) -> dict[tuple[int, int], float]:
+    """Return the pairs of a frame's things that stand side by side, and how far apart they are.
+
+    places: (n, 3); placed: (n,), those that are known well enough to tell.
+    """
+    found: dict[tuple[int, int], float] = {}
+    rows = places.tolist()
+    known = [i for i in np.flatnonzero(placed).tolist() if not math.isnan(rows[i][0])]
+    for k, i in enumerate(known):
+        x, y, z = rows[i]
+        for j in known[:k]:
+            dx, dy, dz = x - rows[j][0], y - rows[j][1], z - rows[j][2]
+            if -REACH_M <= dx <= REACH_M and -REACH_M <= dy <= REACH_M:
+                apart_m = math.sqrt(dx * dx + dy * dy + dz * dz)
+                if apart_m <= REACH_M:
+                    found[j, i] = apart_m
+    return found

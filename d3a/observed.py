@@ -49,3 +49,14 @@ class Observed:
             np.isnan(places[:, 0]),
             np.asarray(looks.any(axis=1)),
         )
+
+    def part(self, wanted: list[int]) -> Observed:
+        """Return some of the things."""
+        return Observed(
+            tuple(self.things[i] for i in wanted),
+            self.places[wanted],
+            self.noise[wanted],
+            self.looks[wanted],
+            self.nowhere[wanted],
+            self.pictured[wanted],
+        )

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from d3a.kalman import pulled
 from d3a.known import Known, Place
 from d3a.parameters import Parameters
-from d3a.symmetric import Matrix, Six, Vector, of_rows
+from d3a.symmetric import Matrix, Six, Vector, along, of_rows
 
 Floats = NDArray[np.float64]
 SCALE_PRIOR = 4.0
@@ -138,6 +138,12 @@ class Positions:
         for row in rows:
             record = self._records[row].tolist()
             self._columns[3:, row] = _spread(record[ERROR], record[SCALE], parameters)
+
+    def loosen(self, row: int, sigma: Vector, parameters: Parameters) -> None:
+        """Let a place err by so much more along a vector (3,)."""
+        x, y, z = sigma
+        self._records[row, ERROR] += along(x, y, z)
+        self.respread([row], parameters)
 
     def pull(
         self, row: int, where: Vector, offset: Vector, noise: Six, parameters: Parameters

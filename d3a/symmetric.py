@@ -24,6 +24,11 @@ def of_rows(flat: Vector) -> Matrix:
     return flat[0], flat[1], flat[2], flat[4], flat[5], flat[8]
 
 
+def along(x: float, y: float, z: float) -> Matrix:
+    """Return the matrix of an error of one sigma along a vector."""
+    return x * x, x * y, x * z, y * y, y * z, z * z
+
+
 def inverse(s: Six, thicker: float = FLAT) -> Matrix:
     """Return the inverse; of a flat matrix, which has none, that of one `thicker` by that share."""
     xx, xy, xz, yy, yz, zz = s

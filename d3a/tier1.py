@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -274,6 +274,11 @@ class Thing:
     detection: Detection
     votes: tuple[tuple[str, float], ...]
     rows: tuple[Detection, ...]
+
+    def unplaced(self) -> Thing:
+        """Return it without where it is and how large, where its range was wrong."""
+        nowhere = replace(self.detection, position=None, covariance=None, extent_m=None)
+        return replace(self, detection=nowhere)
 
 
 def things(detections: Sequence[Detection], parameters: Parameters) -> list[Thing]:

@@ -81,13 +81,18 @@ class TrackerPipeline:
         seen: list[tuple[Known, Place]] = []
         moved: list[tuple[int, Place]] = []
         for i, match in enumerate(matches):
-            thing, place = match if match is not None else self._born(scene.ref)
+            if match is None:
+                thing, place = self._born(scene.ref)
+            else:
+                thing, place = match.thing, match.place or match.thing.latest
+                if not match.in_range:
+                    found[i] = found[i].unplaced()
+                    observed.places[i] = np.nan
             if match is None:
                 thing.places[0].doubt = self._doubts.odds(said[i])
                 self._doubtful.add(thing.number)
             elif thing.seen >= self._parameters.confirm_sightings:
                 self._doubts.learn(said[i])
-            place = place if place is not None else thing.latest
             if place.row < 0:
                 self._settle(thing, place, observed, i)
             elif match is not None and not np.isnan(observed.places[i, 0]):

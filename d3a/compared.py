@@ -1,0 +1,120 @@
+"""Default profile: a frame's things and what they are compared with, as arrays of tier 2."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from d3a.known import Known, Place
+from d3a.observed import Observed
+
+Floats = NDArray[np.float64]
+NEVER = -1e9
+"""Score of a pair that is not compared: out of the gate."""
+
+
+@dataclass(frozen=True, slots=True)
+class Frame:
+    """What of a frame's things is the same for all that they are compared with.
+
+    places: (3, n). noise: (6, n), the numbers xx xy xz yy yz zz of each detection's own, corrected
+    by what is learned. placed: (n,), whose places tell what stands beside them. near: pairs of
+    things, both ways, that stand side by side. shells_m3: see `Neighbours`.
+    """
+
+    observed: Observed
+    places: Floats
+    noise: Floats
+    placed: NDArray[np.bool_]
+    near: frozenset[tuple[int, int]]
+    shells_m3: Floats
+
+    def part(self, wanted: list[int]) -> Frame:
+        """Return some things of the frame, as if nothing stood beside them."""
+        noise, places = self.noise[:, wanted], self.places[:, wanted]
+        observed, placed = self.observed.part(wanted), self.placed[wanted]
+        return Frame(observed, places, noise, placed, frozenset(), self.shells_m3)
+
+
+@dataclass(frozen=True, slots=True)
+class Gated:
+    """Where rows of places go in a table of things: each thing's first, and its further ones.
+
+    rows: in the table of positions, by thing; columns: those of that table. first: indices of
+    rows, and target, the thing that each is of. further: the same of things that moved, in turns
+    that have each thing once. placeless: columns of things without a position. things: how many.
+    """
+
+    rows: NDArray[np.intp]
+    columns: Floats
+    first: NDArray[np.intp]
+    target: NDArray[np.intp]
+    further: list[tuple[NDArray[np.intp], NDArray[np.intp]]]
+    placeless: list[int]
+    things: int
+
+
+@dataclass(frozen=True, slots=True)
+class Scoring:
+    """The evidence of category and look of each detection for each thing, all (n, m).
+
+    agreed, differing: of the category, if the thing is of it, and if it was named wrongly.
+    same, beside: of the look, against another thing of the category, and against one of another
+    category that stands beside. likeness: the cosines, NaN if unknown; None without pictures.
+    """
+
+    agreed: Floats
+    differing: Floats
+    same: Floats | float = 0.0
+    beside: Floats | float = 0.0
+    likeness: Floats | None = None
+
+    def total(self, place: Floats) -> Floats:
+        """Return all evidence (n, m) with that of place (2, n, m)."""
+        return np.asarray(
+            np.logaddexp(
+                self.agreed + place[0] + self.same, self.differing + place[1] + self.beside
+            )
+        )
+
+    def without_look(self, place: Floats) -> Floats:
+        """Return the evidence of place and category alone."""
+        return np.asarray(np.logaddexp(self.agreed + place[0], self.differing + place[1]))
+
+
+class Misplaced(NamedTuple):
+    """What a detection is, if a range is wrong. by_view: its own; else that of the known place."""
+
+    thing: Known
+    place: Place
+    by_view: bool
+    odds: float
+
+
+@dataclass(frozen=True, slots=True)
+class Assigned:
+    """One way to explain a frame, with its localisation off by so much.
+
+    taken: for each thing of the frame the column of `things`, -1 for a new one. place and at: see
+    `Matcher._place`. score: all evidence (n, m). misplaced: what new ones are else, by the frame's
+    thing. strange: how many of the new ones look like something known.
+    """
+
+    things: list[Known]
+    taken: list[int]
+    at: NDArray[np.intp]
+    place: Floats
+    scoring: Scoring
+    score: Floats
+    misplaced: dict[int, Misplaced] = field(default_factory=dict)
+    strange: int = 0
+
+    def worth(self, new_score: float) -> float:
+        """Return the log-odds of it all against "all are new"."""
+        known = [
+            self.score[i, column] - new_score for i, column in enumerate(self.taken) if column >= 0
+        ]
+        return float(sum(known)) + sum(each.odds for each in self.misplaced.values())
