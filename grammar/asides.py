@@ -24,6 +24,7 @@ _TELLING = words_of(
     "find figure work check see learn hear say idea clue hint sure out is in of about at"
 )
 """What comes right before a question that is told: i would love to know where it is."""
+_ASKING_YOU = ("ask", "asking", "trouble", "bother")
 _ASKERS = words_of("who whom whose why what where when which how whether whereabouts")
 _PAST = words_of("was were did have has had saw seen")
 _SUBJECTS = words_of(
@@ -90,7 +91,8 @@ def _requests(texts: list[str], i: int) -> bool:
 def _told(texts: list[str], i: int) -> bool:
     """Whether a question that is told stands at `i`: i would love to know where it is."""
     starts = texts[i] in QUESTION_WORDS or texts[i] == "if"
-    return starts and texts[0] in _TELLERS and texts[i - 1] in _TELLING
+    telling = texts[i - 1] in _TELLING or (texts[i - 1] == "you" and texts[i - 2] in _ASKING_YOU)
+    return starts and texts[0] in _TELLERS and telling
 
 
 def _heads_of(words: list[Word]) -> Iterator[list[Word]]:

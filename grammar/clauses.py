@@ -55,7 +55,8 @@ class ClauseTagger(Cursor):
             elif negated:
                 self._emit("THAT_NOT", 0, k - self.i)
             else:
-                self.i = k
+                told = self._text(k) in phrases().verbs and self._seen_at(k + 1)
+                self.i = k + told
             return True
         if self._text(k) in ("has", "have", "had"):
             none = self._text(k + 1) == "no"
@@ -68,6 +69,10 @@ class ClauseTagger(Cursor):
             self.i = k
             return self._belongs(k + 2)
         return self._relative(k)
+
+    def _seen_at(self, k: int) -> bool:
+        """Whether a clause that only tells that a thing was seen ends at `k`, or tells where."""
+        return self._text(k) in ("", TIME_GAP, ",") or place_follows(self.words, k)
 
     def _asked(self) -> bool:
         """Whether the question's own verb has been said: another one is a relative clause."""

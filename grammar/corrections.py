@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 from grammar import numbers, timespan
 from grammar import timewords as tw
@@ -23,8 +24,8 @@ def corrected(words: list[Word], lexicon: Lexicon) -> list[Word]:
             continue
         if count and _corrects(words, i, count):
             before, after = _without_commas(words[:i], words[i + count :])
-            if words[i].text in HESITATING and not _likened(before, after):
-                words = [*words[:i], *words[i + count :]]
+            if words[i].text in HESITATING and not _likened(before, after, lexicon):
+                words = [*before, replace(words[i], text=","), *after]
             elif after and before:
                 words = _replaced(before, after, lexicon)
                 i = 1
@@ -67,7 +68,7 @@ def _before_mark(words: list[Word], i: int, count: int) -> list[Word] | None:
     return [*words[:k], *insert, *rest[1:]]
 
 
-def _likened(before: list[Word], after: list[Word]) -> bool:
+def _likened(before: list[Word], after: list[Word], lexicon: Lexicon) -> bool:
     """Whether what follows a hesitation is like what stands before it: a thing, a time."""
     if len(after) < 2 or not before or after[1].text in ("one", "ones"):
         return False
@@ -78,8 +79,8 @@ def _likened(before: list[Word], after: list[Word]) -> bool:
     named = is_open(before[-1].text)
     return (
         named
-        and _kind(after[0].text, None) == "determiner"
-        and any(_kind(w.text, None) == "determiner" for w in before[1:])
+        and _kind(after[0].text, lexicon) == "determiner"
+        and any(_kind(w.text, lexicon) == "determiner" for w in before[1:])
     )
 
 

@@ -229,6 +229,10 @@ class NounTagger(ClauseTagger):
                 self._emit("OWNED", following.removesuffix("'s"), 2)
                 return True
             return self._content()
+        named = self._text(self.i + 1) in self.lexicon.names and not self._open_at(self.i + 2)
+        if text == "from" and self._last() == "NOUN" and named:
+            self._emit("OWNED", self._text(self.i + 1), 2)  # the phone from anna
+            return True
         if text == "belonging" and self._text(self.i + 1) == "to":
             return self._belongs(self.i + 2)
         names_plural = text.endswith("s") and text[:-1] in self.lexicon.names

@@ -67,9 +67,9 @@ def read(
     except Ambiguous:
         raise
     except QuestionError:
-        for said, slips in respelling.respelled(found, spelling.known(words)):
+        for said, slips in respelling.respelled(found, spelling.known(words), corrections):
             with suppress(QuestionError):
-                return meaning(reading, _plain(said, lex)), (*corrections, *slips)
+                return meaning(reading, _plain(said, lex)), slips
         for parts in asides.without_asides(_plain(found, lex)):
             with suppress(QuestionError):
                 return meaning(reading, _opened(parts, lex)), corrections

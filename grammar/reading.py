@@ -20,6 +20,9 @@ from grammar.words import MAX_CHARACTERS, MAX_WORDS, Word, split
 QUESTION = lalr.Source("question.lark", ("start", "fragment"))
 
 
+_VERBAL = ("BE", "AUX", "WHO", "THERE", "SEE", "LEAVE", "FINDS", "MISSING")
+
+
 @lru_cache(maxsize=1)
 def _parser() -> lalr.Parser:
     return lalr.Parser(QUESTION.tables(), Meanings())
@@ -95,10 +98,17 @@ class Reading:
         """Read one sentence; `it` is what its pronouns mean."""
         found = self.terminals(words, it)
         meaning = self.parsed(found, "start")
+        if meaning.things.items and self._questioned(words, found):
+            meaning = replace(meaning, ask="whether", newest=False)  # my keys on the table?
         scope.refuse_noise(
             self.text, found.tagged, found.words, self.lexicon, timed=found.time is not None
         )
         return self.finished(meaning, found)
+
+    def _questioned(self, words: list[Word], found: Terminals) -> bool:
+        """Whether a thing and its place are said alone, with a question mark."""
+        verbal = any(t.type[0] == "_" or t.type in _VERBAL for t in found.tagged.tags)
+        return not verbal and self.text[words[-1].end :].lstrip().startswith("?")
 
     def again(self, text: str) -> FormalQuery:
         """Read another spelling of the text, its times said in another way."""

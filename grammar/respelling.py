@@ -44,12 +44,16 @@ def _own() -> tuple[str, ...]:
     )
 
 
-def respelled(words: list[Word], known: frozenset[str]) -> Iterator[Respelled]:
+def respelled(
+    words: list[Word], known: frozenset[str], corrections: tuple[Correction, ...]
+) -> Iterator[Respelled]:
     """Yield the words of a question with slips of the grammar's words made good, likeliest first.
 
-    known: every word that needs no correction of its own.
+    known: every word that needs no correction of its own. corrections: the nouns that words were
+    taken for, which they need not be: `leve` may be a lever, and a slip of leave.
     """
-    meant = [_meant(word.text, known) for word in words]
+    taken_for = {c.position: c.said for c in corrections}
+    meant = [_meant(taken_for.get(word.start, word.text), known) for word in words]
     if not (scope.asks(words) or meant[:1] != [()]):
         return
     for taken in islice(product(*[(*found, "") for found in meant]), _MOST_TRIES):
@@ -57,13 +61,14 @@ def respelled(words: list[Word], known: frozenset[str]) -> Iterator[Respelled]:
             replace(word, text=text) if text else word
             for word, text in zip(words, taken, strict=True)
         ]
-        told = tuple(
-            Correction(word.text, text, word.start)
+        told = {
+            word.start: Correction(taken_for.get(word.start, word.text), text, word.start)
             for word, text in zip(words, taken, strict=True)
             if text
-        )
+        }
         if told:
-            yield changed, told
+            kept = (c for c in corrections if c.position not in told)
+            yield changed, (*kept, *told.values())
 
 
 def _meant(said: str, known: frozenset[str]) -> tuple[str, ...]:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from grammar import numbers, timespan
+from grammar import numbers, stutters, timespan
 from grammar import timewords as tw
 from grammar.closed import is_open, words_of
 from grammar.corrections import HESITATING, corrected
@@ -115,7 +115,7 @@ def plain(words: list[Word], lexicon: Lexicon) -> list[Word]:
     """Return the words of one sentence without what changes nothing."""
     words = _joined(_counting(_heard(_without_fillers(words)), lexicon), lexicon)
     words = corrected(words, lexicon)
-    words = _without_stutter(_without_false_starts(_restarted(words)), lexicon)
+    words = stutters.without_stutters(words, lexicon)
     return _located(_closed(_without_thought(_opened(words))))
 
 
@@ -226,66 +226,6 @@ _BEFORE_LIKE = (
     *words_of("so ok okay well where when is are was were at around by in on for and to"),
 )
 """After these `like` says nothing: `where is like my cup`, `at like three`."""
-
-
-def _restarted(words: list[Word]) -> list[Word]:
-    """Take out a question that breaks off before it names a thing: `when did i, when did you`."""
-    texts = [w.text for w in words]
-    for i in range(1, min(len(texts) - 2, _BROKEN_OFF)):
-        if texts[i] != "," or texts[0] not in QUESTION_STARTS:
-            continue
-        named = any(is_open(t) or t in ("it", "they", "them") for t in texts[:i])
-        asks = texts[i + 1] in QUESTION_WORDS or texts[i + 1] in AUXILIARIES
-        return words[i + 1 :] if asks and not named else words
-    return words
-
-
-_BROKEN_OFF = 5
-"""A question that has named nothing after so many words may be given up and begun again."""
-
-
-def _without_false_starts(words: list[Word]) -> list[Word]:
-    """Take out a word that breaks off and is said again: `where is my ph my phone`."""
-    i = 0
-    while i + 3 < len(words):
-        first, cut, again, whole = (w.text for w in words[i : i + 4])
-        counted = cut in numbers.CARDINALS  # twenty four twenty fourteen
-        if first == again and cut != whole and whole.startswith(cut) and not counted:
-            words = [*words[:i], *words[i + 2 :]]
-        else:
-            i += 1
-    return words
-
-
-def _without_stutter(words: list[Word], lexicon: Lexicon) -> list[Word]:
-    """Take out a word or up to four words said twice in a row: `where is where is the the cup`."""
-    kept = words
-    for size in (4, 3, 2, 1):
-        i = 0
-        out: list[Word] = []
-        while i < len(kept):
-            here = [w.text for w in kept[i : i + size]]
-            again = [w.text for w in kept[i + size : i + 2 * size]]
-            twice = here == again and len(here) == size and not _meant_twice(here)
-            if twice and not _looks_like_itself(here, kept[i + 2 * size :], lexicon):
-                i += size
-                continue
-            out.append(kept[i])
-            i += 1
-        kept = out
-    return kept
-
-
-def _meant_twice(said: list[str]) -> bool:
-    """Whether a repetition may be meant: `twenty twenty`, `that that`."""
-    return all(word in numbers.CARDINALS or word.isdecimal() for word in said) or said == [","]
-
-
-def _looks_like_itself(said: list[str], rest: list[Word], lexicon: Lexicon) -> bool:
-    """Whether a look and its thing are one word: the orange orange, the glass glass."""
-    one = said[0] if len(said) == 1 else ""
-    ends = not rest or not is_open(rest[0].text)
-    return ends and one in lexicon.attributes and one in lexicon.nouns
 
 
 def _opened(words: list[Word]) -> list[Word]:

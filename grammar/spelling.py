@@ -7,9 +7,11 @@ or the word is as good a noun as any, nothing is changed: any noun may be asked 
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Iterable
 from dataclasses import replace
 from functools import lru_cache
+from itertools import pairwise
 
 from grammar import numbers, phrases, scope
 from grammar import timewords as tw
@@ -90,6 +92,7 @@ def _taken(word: Word, known: frozenset[str], store: StoreWords, lex: Lexicon) -
     reach = 2 if len(text) >= 8 else 1
     targets = _targets(store)
     nearest = _nearest(text, targets, reach)
+    nearest = nearest or _short_or_sounding(text, known, targets)
     if not nearest and text.endswith("s") and len(text) > _MIN_LETTERS:
         one = _nearest(lex.singular(text), targets, reach)
         nearest = [inflection.plural(target, lex.plurals) for target in one]
@@ -119,6 +122,26 @@ def _nearest(text: str, targets: tuple[str, ...], reach: int) -> list[str]:
     fitting = [(distance, target) for target, distance, _ in near if _is_slip(text, target)]
     best = min((distance for distance, _ in fitting), default=0)
     return sorted({target for distance, target in fitting if distance == best})
+
+
+def _short_or_sounding(text: str, known: frozenset[str], targets: tuple[str, ...]) -> list[str]:
+    """Return the short word with its last letter struck twice, or the words that sound so."""
+    if text[-1] == text[-2] and len(text) == _MIN_LETTERS and text[:-1] in known:
+        return [text[:-1]]
+    sound = _sound(text)
+    return [
+        target for target in targets if target[0] in _SOUNDED[text[0]] and _sound(target) == sound
+    ]
+
+
+_SOUNDED = defaultdict(str, f="p", p="f", c="k", k="c", q="k")
+"""First letters that may be written for the sound of another: fone, kouch."""
+
+
+def _sound(word: str) -> str:
+    """Return a word as it sounds by its consonants: ph is f, ck and hard c are k."""
+    out = word.replace("ph", "f").replace("ck", "k")
+    return "".join("k" if a == "c" and b not in "eiyh" else a for a, b in pairwise(out + " "))
 
 
 def _misread(word: Word, known: frozenset[str]) -> str | None:

@@ -104,6 +104,10 @@ class TimeForms:
         """bound: _SINCE piece+."""
         return Bound("since", (pieces,))
 
+    def since_long(self, length: Length) -> Bound:
+        """bound: _SINCE duration."""
+        return Bound("since", ((Ago(length),),))
+
     def until(self, *pieces: Piece) -> Bound:
         """bound: _UNTIL piece+."""
         return Bound("until", (pieces,))

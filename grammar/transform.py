@@ -68,6 +68,10 @@ def _described(things: Things, attributes: tuple[str, ...]) -> Things:
     return Things(Group(terms, things.group.choice), things.items)
 
 
+_EVERY = ("everything", "all")
+"""What is listed where nothing is asked: everything in the hall."""
+
+
 class Meanings(Terms):
     """question.lark -> Meaning."""
 
@@ -336,6 +340,8 @@ class Meanings(Terms):
     def short(self, things: Things) -> Meaning:
         """Rule said: things. `anything on the bed` asks whether there is."""
         terms = things.group.terms if things.group else ()
+        if terms and terms[0].word in _EVERY:
+            return Meaning("what", things)
         if things.items and terms and terms[0].category == ANYTHING and not terms[0].attributes:
             return Meaning("whether", things)
         return Meaning("where", things, newest=True)

@@ -24,6 +24,9 @@ NOW = datetime.fromisoformat("2020-01-01T18:00:00-05:00")
         ("is the cup on the tabel", "tabel", "table"),
         ("is there a cup in the kitchn", "kitchn", "kitchen"),
         ("where is the refridgeratr", "refridgeratr", "refrigerator"),
+        ("where is my fone", "fone", "phone"),
+        ("where is the cupp", "cupp", "cup"),
+        ("where did i leve my bag", "leve", "leave"),
     ],
 )
 def test_a_slip_is_corrected_and_reported(said: str, slip: str, taken: str) -> None:

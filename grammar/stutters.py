@@ -1,0 +1,112 @@
+"""What a speaker says twice, breaks off or says for want of a word: taken out."""
+
+from __future__ import annotations
+
+from grammar import numbers
+from grammar.closed import is_open, words_of
+from grammar.sayings import AUXILIARIES, QUESTION_STARTS, QUESTION_WORDS
+from grammar.vocabulary import Lexicon
+from grammar.words import Word
+
+_LED = words_of("the a an my your our his her their this that")
+_SOME = ("a", "an", "any", "some")
+_NAMELESS = words_of("thing thingy thingie thingamajig whatsit whatnot doodah gizmo")
+
+
+def without_stutters(words: list[Word], lexicon: Lexicon) -> list[Word]:
+    """Return the words with each thing said once, and once to its end."""
+    words = _named(_without_dummy(_without_false_starts(_restarted(words))))
+    return _without_stutter(words, lexicon)
+
+
+def _without_dummy(words: list[Word]) -> list[Word]:
+    """Take out an `it` beside its thing: where it is my charger, is it there a knife."""
+    texts = [w.text for w in words[:4]]
+    being = ("is", "are", "was", "were")
+    there = texts[1:3] == ["it", "there"] and texts[0] in being and texts[-1] in _SOME
+    where = texts[:2] == ["where", "it"] and texts[2:3] != [] and texts[2] in being
+    if there or (where and (texts[-1] in _LED or is_open(texts[-1])) and len(texts) == 4):
+        return [words[0], *words[2:]]
+    return words
+
+
+def _named(words: list[Word]) -> list[Word]:
+    """Take out a word for a thing before its name: the thing, the charger."""
+    texts = [w.text for w in words]
+    for i in range(1, len(texts) - 3):
+        nameless = texts[i] in _LED and texts[i + 1] in _NAMELESS and texts[i + 2] == ","
+        if nameless and texts[i + 3] in _LED:
+            return [*words[:i], *words[i + 3 :]]
+    return words
+
+
+def _restarted(words: list[Word]) -> list[Word]:
+    """Take out a question that breaks off before it names a thing: `when did i, when did you`."""
+    texts = [w.text for w in words]
+    for i in range(1, min(len(texts) - 2, _BROKEN_OFF)):
+        if texts[i] != "," or texts[0] not in QUESTION_STARTS:
+            continue
+        named = any(is_open(t) or t in ("it", "they", "them") for t in texts[:i])
+        asks = texts[i + 1] in QUESTION_WORDS or texts[i + 1] in AUXILIARIES
+        return words[i + 1 :] if asks and not named else words
+    return words
+
+
+_BROKEN_OFF = 5
+"""A question that has named nothing after so many words may be given up and begun again."""
+
+
+def _without_false_starts(words: list[Word]) -> list[Word]:
+    """Take out a word that breaks off and is said again: `where is my ph my phone`."""
+    i = 0
+    while i + 3 < len(words):
+        first, cut, again, whole = (w.text for w in words[i : i + 4])
+        counted = cut in numbers.CARDINALS  # twenty four twenty fourteen
+        if first == again and cut != whole and whole.startswith(cut) and not counted:
+            words = [*words[:i], *words[i + 2 :]]
+        else:
+            i += 1
+    return words
+
+
+def _without_stutter(words: list[Word], lexicon: Lexicon) -> list[Word]:
+    """Take out a word or up to four words said twice in a row: `where is where is the the cup`."""
+    kept = _placed_once(words)
+    for size in (4, 3, 2, 1):
+        i = 0
+        out: list[Word] = []
+        while i < len(kept):
+            here = [w.text for w in kept[i : i + size]]
+            again = [w.text for w in kept[i + size : i + 2 * size]]
+            twice = here == again and len(here) == size and not _meant_twice(here)
+            if twice and not _looks_like_itself(here, kept[i + 2 * size :], lexicon):
+                i += size
+                continue
+            out.append(kept[i])
+            i += 1
+        kept = out
+    return kept
+
+
+def _placed_once(words: list[Word]) -> list[Word]:
+    """Take out a determiner that is said again after a pause: the, the cup; my, my stapler."""
+    texts = [w.text for w in words]
+    again = (
+        i
+        for i in range(1, len(texts) - 2)
+        if texts[i + 1] == "," and texts[i] == texts[i + 2] and texts[i] in _LED
+    )
+    first = next(again, None)
+    return words if first is None else _placed_once([*words[:first], *words[first + 2 :]])
+
+
+def _meant_twice(said: list[str]) -> bool:
+    """Whether a repetition may be meant: `twenty twenty`, `that that`."""
+    return all(word in numbers.CARDINALS or word.isdecimal() for word in said) or said == [","]
+
+
+def _looks_like_itself(said: list[str], rest: list[Word], lexicon: Lexicon) -> bool:
+    """Whether a look and its thing are one word: the orange orange, the glass glass."""
+    one = said[0] if len(said) == 1 else ""
+    ends = not rest or not is_open(rest[0].text)
+    return ends and one in lexicon.attributes and one in lexicon.nouns
