@@ -48,7 +48,7 @@ def sureness(answer: Answer, query: FormalQuery) -> str:
     rivals = [k for k in heads_of(answer)[1:] if k.object_id != best.object_id]
     close = [k for k in rivals if k.score >= 0.8 * best.score]
     if query.ask == "where" and close and not gathered_words(answer, query):
-        return _others(len({k.object_id for k in close}), said_many(query, term_of(query)))
+        return others_words(len({k.object_id for k in close}), said_many(query, term_of(query)))
     return f"{said}: {_seen(answer, query, best)}."
 
 
@@ -71,7 +71,7 @@ def _seen(answer: Answer, query: FormalQuery, best: RankedKeyframe) -> str:
     )
 
 
-def _others(number: int, many: bool) -> str:
+def others_words(number: int, many: bool) -> str:
     """Return how many things as likely there are: which one is meant, they cannot tell."""
     verb = "is" if number == 1 else "are"
     return f"There {verb} {number_word(number)} more {'they' if many else 'it'} could be."

@@ -3,12 +3,23 @@
 from __future__ import annotations
 
 from collections import Counter
+from dataclasses import replace
 
+from assistant.caveats import others_words
 from assistant.english import is_many, listed, number_word
-from assistant.phrases import definite, found_words, heads_of, said_many, term_of, where_words
+from assistant.phrases import (
+    definite,
+    found_words,
+    heads_of,
+    kind_of,
+    left_with,
+    said_many,
+    term_of,
+    where_words,
+)
 from assistant.wording import NOT_SURE
 from d3a.answer import Answer, RankedKeyframe
-from grammar.forms import FormalQuery
+from grammar.forms import ANYTHING, FormalQuery, ObjectTerm
 
 _LEAST_WHOLE = 0.99
 """Shares of a thing's places that add up to less leave time for what may be the same thing."""
@@ -19,8 +30,12 @@ _SPOTS = 3
 def usual_words(answer: Answer, query: FormalQuery) -> str:
     """Return where a thing is most of the time; of several that were asked for, where each is.
 
-    What has no singular, as keys, is one thing.
+    What has no singular, as keys, is one thing. Where one is asked for and there are several it is
+    the likeliest, and the others are told by their number.
     """
+    if query.relation is None and len(query.objects) > 1:
+        parts = [(_of_term(answer, term), _alone(query, term)) for term in query.objects]
+        return " ".join(usual_words(part, each) for part, each in parts if part.keyframes)
     term = term_of(query)
     thing = definite(term, found_words(answer, query))
     if said_many(query, term) and not is_many(term.word) and answer.least > 1:
@@ -31,7 +46,26 @@ def usual_words(answer: Answer, query: FormalQuery) -> str:
     if sum(_share(k) for k in own) < _LEAST_WHOLE:
         others = "Of the rest I cannot be sure: what I saw elsewhere may be the same."
         return f"I saw {thing} {listed(spots)}. {others}"
-    return f"Most of the time I saw {thing} {listed(spots)}."
+    told = f"Most of the time I saw {thing} {listed(spots)}."
+    more = max(answer.least, 1) - 1
+    return f"{told} {others_words(more, many=False)}" if more else told
+
+
+def _of_term(answer: Answer, term: ObjectTerm) -> Answer:
+    """Return the answer of what was found of one of several objects.
+
+    Two ids may be one thing where the shares of either leave time for the other.
+    """
+    kept = [k for k in answer.keyframes if term.category in (kind_of(k), ANYTHING)]
+    shares: dict[str, float] = {}
+    for keyframe in kept:
+        shares[keyframe.object_id] = shares.get(keyframe.object_id, 0.0) + _share(keyframe)
+    whole = sum(share >= _LEAST_WHOLE for share in shares.values())
+    return replace(left_with(answer, kept), least=whole + (whole < len(shares)))
+
+
+def _alone(query: FormalQuery, term: ObjectTerm) -> FormalQuery:
+    return replace(query, objects=(term,))
 
 
 def _of_each(answer: Answer, query: FormalQuery, thing: str) -> str:

@@ -118,11 +118,11 @@ def _take(run: Run, step: Step) -> None:
         case KeepPresent():
             keep_present(run, step)
         case KeepMoved():
-            run.moments = moved(run, step)
+            run.moments = [*(run.moments or ()), *moved(run, step)]
         case KeepMissing():
-            run.moments = missing(run, step)
+            run.moments = [*(run.moments or ()), *missing(run, step)]
         case KeepUsual():
-            run.moments = usual(run, step)
+            run.moments = [*(run.moments or ()), *usual(run, step)]
         case Measure():
             pass  # `conclude` counts what is left, once it is known to be something
         case Rank():

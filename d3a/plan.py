@@ -8,7 +8,7 @@ at most, and joins and scores above the store.
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, fields, is_dataclass
+from dataclasses import dataclass, fields, is_dataclass, replace
 from datetime import datetime
 from typing import Any
 
@@ -104,6 +104,9 @@ def plan(
     as the paper does, by the union of what was found for each object; other relations are
     geometry in both profiles.
     """
+    if query.select == "usual" and query.ask == "when":  # its times, not its places by their share
+        all_of_it = replace(query, select="all")
+        return Plan(query, plan(all_of_it, parameters=parameters, precision=precision).steps)
     steps: list[Step] = []
     objects = query.objects or (ObjectTerm(ANYTHING),)
     polarity = _asks_for_absence(query)
@@ -128,7 +131,7 @@ def plan(
     present = _asks_for_the_present(query)
     if present:
         steps.append(KeepPresent(var))
-    kept = _keep_steps(query, var)
+    kept = [step for name in _on_their_own(query, names) for step in _keep_steps(query, name)]
     steps += kept
     steps.append(Measure(query.ask, var, objects[0].quantity))
     alone = names if (query.relation is None or united) and not kept else (var,)
@@ -190,7 +193,7 @@ def _sighting_steps(
     if point is not None:
         steps.append(FindEdge(var, "last", point))
         steps.append(FindEdge(var, "first", point))
-    elif query.ask in ("moved", "missing") or query.select == "usual":
+    elif _is_of_all_time(query):
         steps.append(FindSightings(var))  # the slice is about the change, see `_keep_steps`
     else:
         told = query.select if _tells_sightings(query, term) else None
@@ -215,7 +218,7 @@ def numbers_together(query: FormalQuery) -> tuple[int, ...]:
     () where it is no such query: of one cup and one bowl the relation alone tells.
     """
     together = query.relation is not None and query.relation.kind == "together"
-    if not together or query.ask in ("moved", "missing"):
+    if not together or _is_of_all_time(query):
         return ()
     numbers = [max(term.quantity or 1, 1) for term in query.objects or (ObjectTerm(ANYTHING),)]
     if len(numbers) == 1:
@@ -229,10 +232,20 @@ def _relate(query: FormalQuery, names: tuple[str, ...], negated: bool) -> Relate
         most = query.ask == "count" and not (query.objects and query.objects[0].quantity)
         time = TimeSlice() if edge_of(query) is not None else looked_at(query.time)
         return Gather(names, numbers, most, negated, time.start, time.end)
-    if query.ask in ("moved", "missing"):  # the slice is about the change of what stood so
+    if _is_of_all_time(query):  # the slice is about the change of what stood so
         return Relate(query.relation.kind, names, negated, "figure")
     time = TimeSlice() if edge_of(query) is not None else looked_at(query.time)
     return Relate(query.relation.kind, names, negated, "moments", time.start, time.end)
+
+
+def _is_of_all_time(query: FormalQuery) -> bool:
+    """Whether what was seen before and after the slice counts too: what moved, or is usual."""
+    return query.ask in ("moved", "missing") or query.select == "usual"
+
+
+def _on_their_own(query: FormalQuery, names: tuple[str, ...]) -> tuple[str, ...]:
+    """Return the variables that are each asked about: of a relation the figure alone."""
+    return names if query.relation is None else names[:1]
 
 
 def _keep_steps(query: FormalQuery, var: str) -> list[Step]:

@@ -328,6 +328,13 @@ def test_where_several_things_usually_are_is_told_of_each(two_rooms: Home) -> No
         "Most of the time I saw two of the chairs in the kitchen; one in the living room."
     )
     assert "%" in told(two_rooms, "Where is the chair usually?")
+    said = told(two_rooms, "Where is the chair usually?")
+    assert said.endswith("There are two more it could be.")
+    two_rooms.thing("vase", "vase")
+    two_rooms.seen("vase", 0, 10, at=(1, 1, 1))
+    assert told(two_rooms, "Where are the chairs and the vase usually?").endswith(
+        "Most of the time I saw the vase in the kitchen (100 %)."
+    )
 
 
 def test_where_a_thing_usually_is_leaves_room_for_what_may_be_it(carried: Home) -> None:

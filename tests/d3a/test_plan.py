@@ -134,6 +134,28 @@ def test_questions_over_the_memory_look_at_all_of_it(ask: str, select: str, step
     assert FindSightings("x") in steps
 
 
+@pytest.mark.parametrize(
+    ("ask", "select", "kind"),
+    [("moved", "all", KeepMoved), ("missing", "all", KeepMissing), ("where", "usual", KeepUsual)],
+)
+def test_each_of_several_things_is_looked_at_or_the_figure_of_a_relation(
+    ask: str, select: str, kind: type[KeepMoved | KeepMissing | KeepUsual]
+) -> None:
+    query = FormalQuery("", "Q3", "where", (CUP, BOWL))
+    asked = replace(query, ask=ask, select=select)  # type: ignore[arg-type]
+    assert [s.var for s in plan(asked).steps if isinstance(s, kind)] == ["x", "y"]
+    related = replace(asked, relation=Relation("on"))
+    assert [s.var for s in plan(related).steps if isinstance(s, kind)] == ["x"]
+    assert Relate("on", ("x", "y"), keep="figure") in plan(related).steps
+
+
+def test_when_it_usually_is_so_asks_for_all_times() -> None:
+    query = FormalQuery("", "Q2", "when", (CUP, BOWL), Relation("on"), select="usual")
+    found = plan(query)
+    assert found.query == query
+    assert found.steps == plan(replace(query, select="all")).steps
+
+
 def test_what_moved_needs_no_object() -> None:
     assert plan(FormalQuery("", "Q1", "moved")).steps[0] == FindObjects("x", "object", "object")
 
