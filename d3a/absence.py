@@ -18,13 +18,14 @@ from numpy.typing import NDArray
 from d3a.arrivals import Looked
 from d3a.depths import NEAREST_SHARE, nearer, samples
 from d3a.frame_offset import FrameOffset
-from d3a.geometry import in_view, project
+from d3a.geometry import Frustum, rotation
 from d3a.known import Known, Place
 from d3a.memory import Memory
-from d3a.model import Json, Position
+from d3a.model import Camera, Json, Position
 from d3a.parameters import Parameters
 from d3a.sides import chance, is_familiar, remember_side, share_of_look
 from d3a.sightings import Scene
+from d3a.symmetric import trace
 
 Floats = NDArray[np.float64]
 PATCH, PATCH_MOST = 3, 40
@@ -77,11 +78,13 @@ class Absence:
     def __init__(self, memory: Memory, parameters: Parameters) -> None:
         self._memory = memory
         self._parameters = parameters
-        self._glances: dict[tuple[int, int], Glance] = {}
+        self._glances: dict[Place, Glance] = {}
         self._end_ms = 0
         self._refound, self._relooked = 0, 0.0
         self._through = np.array([[THROUGH_PRESENT, 1.0], [THROUGH_GONE, 1.0]]) * THROUGH_PRIOR
         self.looked = Looked(parameters)
+        self._frustum: tuple[Camera, Frustum] | None = None
+        """Of the latest frame's camera, which is mostly the next one's too."""
 
     def watch(self, scene: Scene, found: list[tuple[Known, Place]], offset: FrameOffset) -> None:
         """Take in a frame: which places it should have shown, and which it did.
@@ -91,60 +94,72 @@ class Absence:
         self._end_ms = scene.ref.time_ms
         for thing, place in found:
             self._glance(thing, place).found = True
-        positions = self._memory.positions
         if scene.pose is None or scene.camera is None:
             return
-        x, y, z = (np.array(scene.pose.position) - offset.mean).tolist()
-        self.looked.watch(scene, (x, y, z))
+        (x, y, z), (off_x, off_y, off_z) = scene.pose.position, offset.mean
+        eye = x - off_x, y - off_y, z - off_z
+        self.looked.watch(scene, eye)
+        for _, place in found:
+            remember_side(place, eye)
+        positions = self._memory.positions
         if not positions.owners:
             return
-        for _, place in found:
-            remember_side(place, (x, y, z))
-        seen = project(positions.mean + offset.mean, scene.pose, scene.camera)
-        parameters = self._parameters
-        visible = in_view(seen, scene.camera, parameters.view_range_m, parameters.view_margin)
-        rows = np.flatnonzero(visible)
-        if len(rows) == 0:
-            return
-        sigma = positions.sigmas(rows, offset.covariance)
-        is_sure = sigma <= SURE_M
-        rows, sigma = rows[is_sure], sigma[is_sure]
-        spots = seen.u[rows], seen.v[rows], seen.depth_m[rows], sigma
-        hidden, through = self._depths(scene, *spots)
-        away_m = spots[2].tolist()
-        for k, row in enumerate(rows.tolist()):
-            thing, place = positions.owners[row]
+        turn = rotation(scene.pose)
+        spots = turn.T @ (positions.columns[:3] - np.array(eye)[:, None])
+        rows = self._frustum_of(scene.camera).inside(spots)
+        variance = positions.variances(rows) + trace(offset.covariance)
+        sure = variance <= 3 * SURE_M**2
+        rows, variance = rows[sure], variance[sure]
+        self._glimpse(scene, eye, rows, spots[:, rows], np.sqrt(variance / 3))
+
+    def _frustum_of(self, camera: Camera) -> Frustum:
+        if self._frustum is None or self._frustum[0] != camera:
+            parameters = self._parameters
+            seen = Frustum.of(camera, parameters.view_range_m, parameters.view_margin)
+            self._frustum = camera, seen
+        return self._frustum[1]
+
+    def _glimpse(
+        self, scene: Scene, eye: Position, rows: NDArray[np.intp], spots: Floats, sigma_m: Floats
+    ) -> None:
+        """Count a frame for the places of rows (k,); spots: (3, k), along the camera's axes."""
+        owners = self._memory.positions.owners
+        hidden, through = self._depths(scene, spots, sigma_m)
+        seen = zip(rows.tolist(), spots[2].tolist(), hidden, through, strict=True)
+        for row, away_m, is_hidden, is_through in seen:
+            thing, place = owners[row]
             glance = self._glance(thing, place)
-            if not glance.familiar and not hidden[k]:
-                glance.familiar = is_familiar(place, (x, y, z), away_m[k])
-            glance.add(hidden[k], through[k])
-            glance.eye = (x, y, z)
+            if not glance.familiar and not is_hidden:
+                glance.familiar = is_familiar(place, eye, away_m)
+            glance.add(is_hidden, is_through)
+            glance.eye = eye
 
     def _depths(
-        self, scene: Scene, u: Floats, v: Floats, away_m: Floats, sigma_m: Floats
+        self, scene: Scene, spots: Floats, sigma_m: Floats
     ) -> tuple[list[bool], list[bool]]:
-        """Say of places (k,) whether something hides them, and whether only what is behind shows.
+        """Say of places (3, k) whether something hides them, and whether only what is behind shows.
 
-        A thing may be anywhere in its error around (u, v): nothing there may be as near as it.
+        A thing may be anywhere in its error around its place: nothing there may be as near as it.
         """
-        assert scene.camera is not None
-        if scene.depth is None or len(u) == 0:
-            return [False] * len(u), [False] * len(u)
-        spot = np.full(len(u), float(PATCH))
+        count, camera = len(sigma_m), scene.camera
+        if scene.depth is None or camera is None or count == 0:
+            return [False] * count, [False] * count
+        x, y, away_m = spots
+        u, v = camera.cx + camera.fx * x / away_m, camera.cy + camera.fy * y / away_m
+        spot = np.full(count, float(PATCH))
         margin = self._parameters.seen_through_m + 2 * sigma_m
         before, measured = nearer(samples(scene.depth, u, v, spot, 2 * PATCH + 1), away_m - margin)
         hidden = 2 * before > measured
-        wide = PATCH + np.round(2 * sigma_m * scene.camera.fx / away_m)
+        wide = PATCH + np.round(2 * sigma_m * camera.fx / away_m)
         around = samples(scene.depth, u, v, np.minimum(wide, PATCH_MOST))
-        near, count = nearer(around, away_m + self._parameters.seen_through_m)
-        through = ~hidden & (measured > 0) & (near < NEAREST_SHARE * count) & (wide <= PATCH_MOST)
+        near, of = nearer(around, away_m + self._parameters.seen_through_m)
+        through = ~hidden & (measured > 0) & (near < NEAREST_SHARE * of) & (wide <= PATCH_MOST)
         return hidden.tolist(), through.tolist()
 
     def _glance(self, thing: Known, place: Place) -> Glance:
-        key = thing.number, place.number
-        found = self._glances.get(key)
+        found = self._glances.get(place)
         if found is None:
-            found = self._glances[key] = Glance(thing, place)
+            found = self._glances[place] = Glance(thing, place)
         return found
 
     def found(self) -> list[Known]:
@@ -158,8 +173,7 @@ class Absence:
         Updates evidence, chances and `last_absent_ms` of every place that was in view.
         """
         missed: list[Known] = []
-        for key in sorted(self._glances):
-            glance = self._glances[key]
+        for glance in self._in_order():
             thing, place = glance.thing, glance.place
             if glance.found:
                 self._found(glance)
@@ -176,6 +190,10 @@ class Absence:
         self.looked.end_look()
         return missed
 
+    def _in_order(self) -> list[Glance]:
+        """Return the glances by thing and place."""
+        return sorted(self._glances.values(), key=lambda g: (g.thing.number, g.place.number))
+
     def _usual(self) -> float:
         """Return how likely a look finds a thing that is there, by all things."""
         return (self._refound + 2 * self._parameters.detect_chance) / (self._relooked + 2)
@@ -184,7 +202,9 @@ class Absence:
         """Return the log-odds that what is at a place was brought while the robot was about."""
         if place.row < 0:
             return 0.0
-        return self.looked.came(place, self._memory.positions.mean[place.row], self._usual())
+        return self.looked.came(
+            place, np.array(self._memory.positions.of(place).mean), self._usual()
+        )
 
     def _share_of_look(self, glance: Glance) -> float:
         """Return how much a look in vain tells that others from there have not told already."""
@@ -239,13 +259,22 @@ class Absence:
     def forget(self, thing: Known) -> None:
         """Forget what the look showed of a thing that leaves the memory."""
         for place in thing.places:
-            self._glances.pop((thing.number, place.number), None)
+            self._glances.pop(place, None)
 
     def to_state(self) -> Json:
         """Return the look that is going on as JSON."""
         glances = [
-            [*key, g.frames, g.hidden, g.through, g.familiar, g.found, g.eye]
-            for key, g in self._glances.items()
+            [
+                g.thing.number,
+                g.place.number,
+                g.frames,
+                g.hidden,
+                g.through,
+                g.familiar,
+                g.found,
+                g.eye,
+            ]
+            for g in self._glances.values()
         ]
         counts = [self._refound, self._relooked]
         through = self._through.tolist()
@@ -265,6 +294,6 @@ class Absence:
         self._through = np.array(record["through"])
         for number, place_number, *counted, eye in record["glances"]:
             thing = self._memory.things[number]
-            glance = Glance(thing, thing.place(place_number), *counted)
+            glance = self._glance(thing, thing.place(place_number))
+            glance.frames, glance.hidden, glance.through, glance.familiar, glance.found = counted
             glance.eye = None if eye is None else (eye[0], eye[1], eye[2])
-            self._glances[number, place_number] = glance

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from d3a.frame_offset import FrameOffset
 from d3a.known import Known, Place
 from d3a.observed import Observed
 
@@ -16,45 +17,54 @@ NEVER = -1e9
 """Score of a pair that is not compared: out of the gate."""
 
 
+Aim = tuple[Floats, Floats]
+"""Places (3, n) and noise (6, n) of a frame's things in the map, by what is known of its offset."""
+
+
 @dataclass(frozen=True, slots=True)
 class Frame:
     """What of a frame's things is the same for all that they are compared with.
 
-    places: (3, n). noise: (6, n), the numbers xx xy xz yy yz zz of each detection's own, corrected
-    by what is learned. placed: (n,), whose places tell what stands beside them. near: pairs of
-    things, both ways, that stand side by side. shells_m3: see `Neighbours`.
+    scale: correction of each detection's own noise by what is learned. placed: whose places tell
+    what stands beside them. near: pairs of things, both ways, that stand side by side. shells_m3:
+    see `Neighbours`.
     """
 
     observed: Observed
-    places: Floats
-    noise: Floats
-    placed: NDArray[np.bool_]
+    scale: float
+    placed: list[bool]
     near: frozenset[tuple[int, int]]
     shells_m3: Floats
 
+    def aim(self, offset: FrameOffset) -> Aim:
+        """Return where the things are, the frame being off by so much."""
+        mean, covariance = np.array(offset.mean), np.array(offset.covariance)
+        noise = self.observed.noise * self.scale + covariance[:, None]
+        return self.observed.places - mean[:, None], noise
+
     def part(self, wanted: list[int]) -> Frame:
         """Return some things of the frame, as if nothing stood beside them."""
-        noise, places = self.noise[:, wanted], self.places[:, wanted]
-        observed, placed = self.observed.part(wanted), self.placed[wanted]
-        return Frame(observed, places, noise, placed, frozenset(), self.shells_m3)
+        placed = [self.placed[i] for i in wanted]
+        return Frame(self.observed.part(wanted), self.scale, placed, frozenset(), self.shells_m3)
 
 
 @dataclass(frozen=True, slots=True)
 class Gated:
-    """Where rows of places go in a table of things: each thing's first, and its further ones.
+    """The things that a frame's may be, and where they may be.
 
-    rows: in the table of positions, by thing; columns: those of that table. first: indices of
-    rows, and target, the thing that each is of. further: the same of things that moved, in turns
-    that have each thing once. placeless: columns of things without a position. things: how many.
+    rows: in the table of positions, by thing; columns: those of that table. is_plain: each thing
+    has one of them. turns, where it is not: indices of rows and the things that they are of, in
+    turns that have each thing once: its first place, then further ones of things that moved.
+    placeless: indices of things without a position. nowhere: detections without one.
     """
 
+    things: list[Known]
     rows: NDArray[np.intp]
     columns: Floats
-    first: NDArray[np.intp]
-    target: NDArray[np.intp]
-    further: list[tuple[NDArray[np.intp], NDArray[np.intp]]]
+    is_plain: bool
+    turns: list[tuple[list[int], list[int]]]
     placeless: list[int]
-    things: int
+    nowhere: list[int]
 
 
 @dataclass(frozen=True, slots=True)

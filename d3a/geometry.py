@@ -14,11 +14,14 @@ from numpy.typing import NDArray
 
 from d3a.model import Box, Camera, Detection, Pose
 from d3a.parameters import Parameters
+from d3a.symmetric import Matrix
 
 Floats = NDArray[np.float64]
 Metres = NDArray[np.float32]
 CENTRE_SHARE = 0.5
 """Side of the box's middle whose depths are taken: the rim is mostly what is behind the thing."""
+NEAREST_M = 1e-6
+"""What is not so far before a camera is in no picture."""
 MIN_DEPTHS = 5
 """Fewer measured pixels than this in the middle of a box are no measurement."""
 
@@ -67,12 +70,13 @@ def quaternion(matrix: Floats) -> tuple[float, float, float, float]:
     return float(best[0]), float(best[1]), float(best[2]), float(best[3])
 
 
-def pose_covariance(pose: Pose, parameters: Parameters) -> Floats:
-    """Return the (3, 3) covariance of the camera's place, which all things in a frame share."""
+def pose_covariance(pose: Pose, parameters: Parameters) -> Matrix:
+    """Return the covariance of the camera's place, which all things in a frame share."""
     if pose.covariance is None:
-        return np.eye(3) * parameters.pose_sigma_m**2
-    c = pose.covariance
-    return np.array((c[0:3], c[6:9], c[12:15]))
+        variance = parameters.pose_sigma_m**2
+        return variance, 0.0, 0.0, variance, 0.0, variance
+    c = pose.covariance  # (6, 6), row by row
+    return c[0], c[1], c[2], c[7], c[8], c[14]
 
 
 def heading_covariance(pose: Pose, position: Floats) -> Floats:
@@ -211,18 +215,41 @@ def project(points: Floats, pose: Pose, camera: Camera) -> Projection:
     """Project map points (n, 3) into a picture; depth <= 0 is behind the camera."""
     local = (points - np.array(pose.position)) @ rotation(pose)
     z = local[:, 2]
-    ahead = np.where(z > 1e-6, z, np.nan)
+    ahead = np.where(z > NEAREST_M, z, np.nan)
     u = camera.cx + camera.fx * local[:, 0] / ahead
     v = camera.cy + camera.fy * local[:, 1] / ahead
     return Projection(u, v, z)
 
 
-def in_view(seen: Projection, camera: Camera, range_m: float, margin: float) -> NDArray[np.bool_]:
-    """Say which points (n,) lie in the picture, `margin` (share of its size) from the edge."""
-    edge_u, edge_v = camera.width * margin, camera.height * margin
-    inside = (seen.u >= edge_u) & (seen.u <= camera.width - edge_u)
-    inside &= (seen.v >= edge_v) & (seen.v <= camera.height - edge_v)
-    return np.asarray(inside & (seen.depth_m > 0) & (seen.depth_m <= range_m))
+@dataclass(frozen=True, slots=True)
+class Frustum:
+    """What a camera has in view, as half-spaces along its own axes.
+
+    planes: (6, 3) and least: (6, 1), what each plane's product with a point must be at least.
+    """
+
+    planes: Floats
+    least: Floats
+
+    @classmethod
+    def of(cls, camera: Camera, range_m: float, margin: float) -> Frustum:
+        """Return what lies in the picture, `margin` (share of its size) from the edge."""
+        edge_u, edge_v = camera.width * margin, camera.height * margin
+        planes = [
+            [camera.fx, 0.0, camera.cx - edge_u],
+            [-camera.fx, 0.0, camera.width - edge_u - camera.cx],
+            [0.0, camera.fy, camera.cy - edge_v],
+            [0.0, -camera.fy, camera.height - edge_v - camera.cy],
+            [0.0, 0.0, 1.0],
+            [0.0, 0.0, -1.0],
+        ]
+        least = [0.0, 0.0, 0.0, 0.0, NEAREST_M, -range_m]
+        return cls(np.array(planes), np.array(least)[:, None])
+
+    def inside(self, points: Floats) -> NDArray[np.intp]:
+        """Return which of points (3, n), along the camera's axes, are in view."""
+        seen = np.logical_and.reduce(self.planes @ points >= self.least, axis=0)
+        return np.asarray(seen.nonzero()[0])
 
 
 def heading(pose: Pose) -> float:

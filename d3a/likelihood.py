@@ -271,6 +271,16 @@ def load_solver() -> None:
     import scipy.optimize  # noqa: F401
 
 
+def is_settled(scores: Floats, taken: list[int], new_score: float, by: float) -> bool:
+    """Say whether each row of scores is better off by so much as `assign` has it than otherwise."""
+    rows = range(len(taken))
+    own = scores[rows, taken].tolist()  # of a new thing the last column's, which does not count
+    least = [(s if c >= 0 else new_score) - by for s, c in zip(own, taken, strict=True)]
+    known = [level for level, c in zip(least, taken, strict=True) if c >= 0]
+    near = int(np.count_nonzero(scores > np.array(least)[:, None]))
+    return near == len(known) and all(level >= new_score for level in known)
+
+
 def assign(scores: Floats, new_score: float) -> list[int]:
     """Return for each row of scores (n, m) the column it goes to, or -1 for a new thing.
 

@@ -1,7 +1,8 @@
 """Default profile, tier 2: which thing each detection of a frame is.
 
-One-to-one by likelihood, twice: the first assignment tells how far off the whole frame is (a
-localisation's error is common to all its detections, and drifts slowly), the second uses that.
+One-to-one by likelihood. The first assignment tells how far off the whole frame is: an error of the
+localisation is common to all its detections, and drifts slowly. A second uses that, where the first
+left anything open.
 """
 
 from __future__ import annotations
@@ -14,20 +15,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from d3a import likelihood
-from d3a.compared import NEVER, Assigned, Frame, Gated, Scoring
+from d3a.compared import NEVER, Aim, Assigned, Frame, Gated, Scoring
 from d3a.frame_offset import FrameOffset
 from d3a.known import Known, Place
-from d3a.likelihood import BESIDE, OTHER, SAME, UPPER, VARIANCES, CategoryModel, LookModel
+from d3a.likelihood import BESIDE, OTHER, SAME, VARIANCES, CategoryModel, LookModel
 from d3a.look_space import LookSpace
 from d3a.memory import Memory
 from d3a.model import Pose
 from d3a.neighbours import REACH_M, Neighbours, beside
 from d3a.observed import Observed
 from d3a.parameters import Parameters
-from d3a.symmetric import of_rows
+from d3a.symmetric import added, minus, scaled, trace
 from d3a.wrong_range import WrongRanges
 
 Floats = NDArray[np.float64]
+SETTLED = 3.0
+"""Log-odds (20 to 1) of each detection's match against any other, from which it stands however far
+off the frame is: of frames so sure a second assignment decides one in a thousand otherwise."""
 STRANGE_LEAST = 2
 """So many things of a frame that look like known ones elsewhere ask whether the robot is elsewhere:
 one may have been moved."""
@@ -46,10 +50,6 @@ class Match(NamedTuple):
     in_range: bool = True
 
 
-def _indices(numbers: list[int]) -> NDArray[np.intp]:
-    return np.array(numbers, dtype=np.intp)
-
-
 class Matcher:
     """Scores a frame's detections against the memory and assigns them."""
 
@@ -65,7 +65,7 @@ class Matcher:
         self.offset = FrameOffset.unknown(parameters)
         self.one: frozenset[str] = frozenset()
         """Ids of what a person made one of several: it may look like any of them."""
-        self.residuals = np.array([1.0, 1.0]) * parameters.noise_prior
+        self.residuals = parameters.noise_prior, parameters.noise_prior
         """Summed squared residuals by what was expected of them, and their number."""
 
     def _scale(self, pose: Pose | None) -> float:
@@ -76,14 +76,11 @@ class Matcher:
         """
         if pose is None:
             return 1.0
-        learned = float(self.residuals[0] / self.residuals[1])
-        return max(self._parameters.noise_least, learned)
+        summed, count = self.residuals
+        return max(self._parameters.noise_least, summed / count)
 
     def match(self, observed: Observed, time_ms: int, pose: Pose | None) -> list[Match | None]:
-        """Return for each observed thing what it is, None for new; updates the frame's offset."""
-        self.offset.predict(time_ms, pose)
-        if not observed.things:
-            return []
+        """Return for each observed thing what it is, None for new; corrects the frame's offset."""
         frame = self._frame(observed, pose)
         self.space.add(observed.looks)
         before = replace(self.offset)
@@ -129,7 +126,7 @@ class Matcher:
     def _explained(self, frame: Frame, pose: Pose | None) -> Assigned:
         """Return what a frame's things are, where the localisation is off as is known by now."""
         found = self._assigned(frame)
-        new = [i for i, c in enumerate(found.taken) if c < 0 and not frame.observed.nowhere[i]]
+        new = [i for i, c in enumerate(found.taken) if c < 0 and frame.observed.spots[i]]
         if pose is None or not new:
             return found
         taken = {found.things[c].number for c in found.taken if c >= 0}
@@ -144,20 +141,21 @@ class Matcher:
 
     def _assigned(self, frame: Frame) -> Assigned:
         """Return the likeliest assignment; corrects the frame's offset by it."""
-        rows, owners = self._gate(frame)
-        things = self._candidates(frame.observed, owners)
+        aim = frame.aim(self.offset)
+        gated = self._gated(frame.observed, self._gate(aim))
+        things = gated.things
         if not things:
             none = np.zeros((len(frame.observed.things), 0))
             taken = [-1] * len(none)
             return Assigned([], taken, none.astype(np.intp), none, Scoring(none, none), none)
         scoring = self._scoring(frame, things)
-        gated = self._gated(things, rows, owners)
-        place, at = self._place(frame, gated)
+        place, at = self._place(frame, aim, gated)
         score = scoring.total(place)
         new = self._parameters.new_thing_odds
         taken = likelihood.assign(score, new)
-        if self._align(frame, things, taken, at):
-            place, at = self._place(frame, gated)
+        is_corrected = self._align(frame, things, taken, at)
+        if is_corrected and not likelihood.is_settled(score, taken, new, SETTLED):
+            place, at = self._place(frame, frame.aim(self.offset), gated)
             score = scoring.total(place)
             taken = likelihood.assign(score, new)
         return Assigned(things, taken, at, place, scoring, score)
@@ -167,46 +165,48 @@ class Matcher:
 
     def _frame(self, observed: Observed, pose: Pose | None) -> Frame:
         """Return the frame's own share, and learn how near to each other its things stand."""
-        noise = observed.noise.reshape(-1, 9).T[UPPER] * self._scale(pose)
-        sigma = np.sqrt((noise[0] + noise[3] + noise[5]) / 3)
-        placed = sigma <= REACH_M / 2
-        apart = beside(observed.places, placed)
+        scale = self._scale(pose)
+        most_m2 = 3 * (REACH_M / 2) ** 2 / scale
+        placed = [trace(error) <= most_m2 for error in observed.errors]
+        apart = beside(observed.spots, placed)
         names = [thing.detection.category for thing in observed.things]
         self.neighbours.add(
             len(names), [apart_m for (i, j), apart_m in apart.items() if names[i] != names[j]]
         )
         near = frozenset([*apart, *((j, i) for i, j in apart)])
-        shells_m3 = self.neighbours.shells_m3()
-        return Frame(observed, observed.places.T, noise, placed, near, shells_m3)
+        return Frame(observed, scale, placed, near, self.neighbours.shells_m3())
 
-    def _gate(self, frame: Frame) -> tuple[NDArray[np.intp], list[int]]:
-        """Return the rows of places that any detection may be at, and numbers of their things.
-
-        By thing and place.
-        """
+    def _gate(self, aim: Aim) -> NDArray[np.intp]:
+        """Return the rows of places that any detection may be at, by thing and place."""
         positions = self._memory.positions
-        noise = frame.noise[VARIANCES] + self.offset.covariance.diagonal()[:, None]
-        places = frame.places - self.offset.mean[:, None]
+        places, noise = aim
         away = places[:, :, None] - positions.columns[:3, None]
         # Along each axis alone: no pair within the gate is outside of this, and it is quick.
-        reach = noise[:, :, None] + positions.variance[:, None]
+        reach = noise[VARIANCES][:, :, None] + positions.variance[:, None]
         reach *= self._parameters.gate_sigmas**2
         away *= away
         near = np.logical_and.reduce(away <= reach, axis=0)
-        return positions.sorted_rows(np.logical_or.reduce(near, axis=0))
+        return positions.in_order(np.logical_or.reduce(near, axis=0))
 
-    def _candidates(self, observed: Observed, owners: list[int]) -> list[Known]:
-        """Return the things to compare with, by number.
+    def _gated(self, observed: Observed, rows: NDArray[np.intp]) -> Gated:
+        """Return what to compare with: the things at some rows of places, by number.
 
         What has no position is near everything, and to a detection without one all are.
         """
-        known = self._memory.things
-        if observed.nowhere.any():
-            return [known[number] for number in sorted(known)]
-        placeless = self._memory.placeless()
-        if not placeless:
-            return [known[number] for number in dict.fromkeys(owners)]
-        return [known[number] for number in sorted({*owners, *(t.number for t in placeless)})]
+        positions, known = self._memory.positions, self._memory.things
+        owners = [positions.owners[row][0].number for row in rows.tolist()]
+        numbers = list(dict.fromkeys(owners))  # they are by thing
+        placeless, nowhere = self._memory.placeless(), observed.nowhere
+        columns = positions.columns[:, rows]
+        if not placeless and not nowhere and len(numbers) == len(owners):
+            return Gated([known[n] for n in numbers], rows, columns, True, [], [], [])
+        if nowhere:
+            numbers = sorted(known)
+        elif placeless:
+            numbers = sorted({*numbers, *(thing.number for thing in placeless)})
+        things = [known[number] for number in numbers]
+        unplaced = [j for j, thing in enumerate(things) if all(p.row < 0 for p in thing.places)]
+        return Gated(things, rows, columns, False, _turns(owners, numbers), unplaced, nowhere)
 
     def _scoring(self, frame: Frame, things: list[Known]) -> Scoring:
         """Return the evidence of category and look; of a thing named twice one name may agree."""
@@ -221,7 +221,7 @@ class Matcher:
         if observed.looks.shape[1] == 0 or looks.length == 0:
             return Scoring(agreed, differing)
         views = np.array([thing.look_weight for thing in things])
-        known = observed.pictured[:, None] & (views > 0)
+        known = np.array(observed.pictured)[:, None] & (views > 0)
         is_known = known.all()
         likeness = looks.likeness(observed.looks, things, self.space)
         same, beside = self.looks.against(likeness, views, (OTHER, BESIDE))
@@ -230,64 +230,32 @@ class Matcher:
             same[~known] = beside[~known] = 0.0
         if self.one and any(told := [thing.object_id in self.one for thing in things]):
             same = np.where(told, np.maximum(same, 0.0), same)  # no look of its own to differ from
-        if not frame.placed.all():
-            beside = np.where(frame.placed[:, None], beside, same)
+        if not all(frame.placed):
+            beside = np.where(np.array(frame.placed)[:, None], beside, same)
         return Scoring(agreed, differing, same, beside, likeness)
 
-    def _gated(self, things: list[Known], rows: NDArray[np.intp], owners: list[int]) -> Gated:
-        """Return where the rows of places, with the numbers of their things, are in the table."""
-        number = {thing.number: column for column, thing in enumerate(things)}
-        first: list[int] = []
-        target: list[int] = []
-        further: list[tuple[list[int], list[int]]] = []
-        last, turn = -1, 0
-        for k, owner in enumerate(owners):  # they are by thing
-            column = number[owner]
-            if column != last:
-                first.append(k)
-                target.append(column)
-                last, turn = column, 0
-                continue
-            if turn == len(further):
-                further.append(([], []))
-            further[turn][0].append(k)
-            further[turn][1].append(column)
-            turn += 1
-        placeless: list[int] = []
-        if len(first) < len(things):
-            placeless = [j for j, t in enumerate(things) if all(p.row < 0 for p in t.places)]
-        columns = self._memory.positions.columns[:, rows]
-        turns = [(_indices(places), _indices(of)) for places, of in ((first, target), *further)]
-        return Gated(rows, columns, *turns[0], turns[1:], placeless, len(things))
-
-    def _place(self, frame: Frame, gated: Gated) -> tuple[Floats, NDArray[np.intp]]:
+    def _place(self, frame: Frame, aim: Aim, gated: Gated) -> tuple[Floats, NDArray[np.intp]]:
         """Return the evidence of place, (2, n, m), and the row of the place it is of.
 
         First against another thing anywhere, then against one that stands beside. Row -1: none.
         """
-        shape = (frame.places.shape[1], gated.things)
-        at = np.full(shape, -1, dtype=np.intp)
-        rows = gated.rows
-        if len(rows) == gated.things == len(gated.first):
-            place = self._place_ratios(frame, gated.columns)
+        rows, shape = gated.rows, (len(frame.placed), len(gated.things))
+        if gated.is_plain:
+            at = np.empty(shape, dtype=np.intp)
             at[:] = rows
-        else:
-            place = np.full((2, *shape), NEVER)
-            if len(rows):
-                ratios = self._place_ratios(frame, gated.columns)
-                place[:, :, gated.target] = ratios[:, :, gated.first]
-                at[:, gated.target] = rows[gated.first]
-            for places, columns in gated.further:  # of things that moved
-                found, old = ratios[:, :, places], place[:, :, columns]
-                better = found[0] > old[0]
-                place[:, :, columns] = np.where(better, found, old)
-                at[:, columns] = np.where(better, rows[places], at[:, columns])
-        nowhere = frame.observed.nowhere
-        if nowhere.any():
-            place[:, nowhere] = 0.0
-            at[nowhere] = -1
-        if gated.placeless:
-            place[:, :, gated.placeless] = 0.0
+            return self._place_ratios(frame, aim, gated.columns), at
+        at = np.full(shape, -1, dtype=np.intp)
+        place = np.full((2, *shape), NEVER)
+        if len(rows):
+            ratios = self._place_ratios(frame, aim, gated.columns)
+        for places, columns in gated.turns:
+            found, old = ratios[:, :, places], place[:, :, columns]
+            better = found[0] >= old[0]
+            place[:, :, columns] = np.where(better, found, old)
+            at[:, columns] = np.where(better, rows[places], at[:, columns])
+        place[:, gated.nowhere] = 0.0
+        at[gated.nowhere] = -1
+        place[:, :, gated.placeless] = 0.0
         return place, at
 
     def _learn(
@@ -326,12 +294,9 @@ class Matcher:
                 mean = self._memory.looks.row(thing)
                 self.space.add_same(frame.observed.looks[i], mean, thing.look_weight)
 
-    def _place_ratios(self, frame: Frame, columns: Floats) -> Floats:
+    def _place_ratios(self, frame: Frame, aim: Aim, columns: Floats) -> Floats:
         """Return the evidence of place (2, n, k) as `_place` does, NEVER out of the gate."""
-        offset, parameters = self.offset, self._parameters
-        count = frame.places.shape[1]
-        noise = frame.noise + offset.covariance.reshape(9)[UPPER][:, None]
-        places = frame.places - offset.mean[:, None]
+        parameters, (places, noise) = self._parameters, aim
         residuals = (places[:, :, None] - columns[:3, None]).reshape(3, -1)
         covariances = (noise[:, :, None] + columns[3:, None]).reshape(6, -1)
         squared, determinant = likelihood.squared_distances(residuals, covariances)
@@ -341,7 +306,7 @@ class Matcher:
             squared, determinant, (parameters.space_m3, beside), parameters
         )
         np.copyto(ratios, NEVER, where=~(squared <= parameters.gate_sigmas**2))
-        return ratios.reshape(2, count, -1)
+        return ratios.reshape(2, len(frame.placed), -1)
 
     def _align(
         self, frame: Frame, things: list[Known], taken: list[int], at: NDArray[np.intp]
@@ -350,7 +315,7 @@ class Matcher:
 
         Only what was seen before in another frame tells: a tentative thing may be a mistake.
         """
-        if not self.offset.covariance.any():
+        if not any(self.offset.covariance):
             return False
         pairs = [
             (i, row)
@@ -361,24 +326,42 @@ class Matcher:
         ]
         if not pairs:
             return False
-        seen, rows = (list(each) for each in zip(*pairs, strict=True))
-        columns = self._memory.positions.columns[:, rows]
-        residuals, noise = frame.places[:, seen] - columns[:3], frame.noise[:, seen] + columns[3:]
-        self.offset.correct(zip(residuals.T.tolist(), noise.T.tolist(), strict=True))
+        positions, observed, scale = self._memory.positions, frame.observed, frame.scale
+        known = []
+        for i, row in pairs:
+            spot, its = observed.spots[i], positions.of(positions.owners[row][1])
+            if spot is not None:
+                noise = added(scaled(observed.errors[i], scale), its.spread)
+                known.append((minus(spot, its.mean), noise))
+        self.offset.correct(known)
         return True
 
     def update(self, observed: Observed, pairs: list[tuple[int, Place]], pose: Pose | None) -> None:
         """Move the matched places towards what was observed: Kalman, robust."""
         if not pairs:
             return
-        positions = self._memory.positions
-        scale, mean = self._scale(pose), self.offset.mean.tolist()
-        shared = of_rows(self.offset.covariance.ravel().tolist())
-        nine, places = observed.noise.reshape(-1, 9).tolist(), observed.places.tolist()
-        summed, count = self.residuals.tolist()
+        positions, (summed, count) = self._memory.positions, self.residuals
+        scale, mean, shared = self._scale(pose), self.offset.mean, self.offset.covariance
         for i, place in pairs:
-            noise = [n * scale + o for n, o in zip(of_rows(nine[i]), shared, strict=True)]
-            squared = positions.pull(place.row, places[i], mean, noise, self._parameters)
+            spot, noise = observed.spots[i], added(scaled(observed.errors[i], scale), shared)
+            if spot is None:
+                continue
+            squared = positions.pull(place, spot, mean, noise, self._parameters)
             if pose is not None and squared <= self._parameters.noise_gate:
                 summed, count = summed + squared / 3, count + 1.0
-        self.residuals = np.array([summed, count])
+        self.residuals = summed, count
+
+
+def _turns(owners: list[int], numbers: list[int]) -> list[tuple[list[int], list[int]]]:
+    """Return the places of things, by the numbers of both: the first of each, then further ones."""
+    column = {number: k for k, number in enumerate(numbers)}
+    found: list[tuple[list[int], list[int]]] = []
+    last, turn = None, 0
+    for k, owner in enumerate(owners):  # they are by thing
+        turn = turn + 1 if owner == last else 0
+        last = owner
+        if turn == len(found):
+            found.append(([], []))
+        found[turn][0].append(k)
+        found[turn][1].append(column[owner])
+    return found

@@ -205,19 +205,15 @@ class Memory:
         return slept
 
     def _with_rows(self, things: Sequence[Known]) -> list[Sleeper]:
-        placed = [_placed(thing) for thing in things]
-        rows = iter(self.positions.rows([place for places in placed for place in places]))
-        return [
-            Sleeper(thing, [(place, next(rows)) for place in places])
-            for thing, places in zip(things, placed, strict=True)
-        ]
+        known = self.positions.of
+        return [Sleeper(thing, [(p, known(p)) for p in _placed(thing)]) for thing in things]
 
     def wake(self, numbers: Iterable[int]) -> list[Known]:
         """Take in again what sleeps under some numbers."""
         woken = [self._asleep.pop(number) for number in numbers]
         self.things |= {each.thing.number: each.thing for each in woken}
         self._touched.update(each.thing.number for each in woken)
-        self.positions.put_back([(e.thing, place, row) for e in woken for place, row in e.rows])
+        self.positions.add([(e.thing, place, row) for e in woken for place, row in e.rows])
         return [each.thing for each in woken]
 
     def is_asleep(self, number: int) -> bool:

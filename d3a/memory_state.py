@@ -12,10 +12,10 @@ from d3a.known import Known, Place
 from d3a.memory import Memory, Whole
 from d3a.model import Json
 from d3a.parameters import Parameters
-from d3a.positions import ERROR, RAW, SCALE
+from d3a.positions import Row
 from d3a.sightings import Interval
 from d3a.store.base import TaughtName
-from d3a.symmetric import FULL
+from d3a.symmetric import flat
 
 _PLACE = tuple(f.name for f in fields(Place) if f.name not in ("open", "row"))
 _OWN = ("names", "places", "row", "votes", "met")
@@ -26,12 +26,11 @@ def memory_state(wholes: Iterable[Whole]) -> tuple[Json, Arrays]:
     """Return things as JSON, and their arrays in the same order."""
     known = list(wholes)
     rows = [row for each in known for _, row in each.rows]
-    records = np.array([row.record for row in rows]).reshape(-1, 11)
     arrays: Arrays = {
         "looks": stacked([each.look for each in known]),
-        "means": np.array([(row.columns[:3], row.record[RAW]) for row in rows]).reshape(-1, 2, 3),
-        "errors": records[:, ERROR][:, FULL].reshape(-1, 3, 3),
-        "scales": records[:, SCALE],
+        "means": np.array([(row.mean, row.raw) for row in rows]).reshape(-1, 2, 3),
+        "errors": np.array([flat(row.error) for row in rows]).reshape(-1, 3, 3),
+        "scales": np.array([row.scale for row in rows]).reshape(-1, 2),
     }
     return {"things": [_thing_json(each) for each in known]}, arrays
 
@@ -56,7 +55,8 @@ def _place_json(place: Place, is_placed: bool) -> Json:
 
 def memory_of_state(memory: Memory, record: Json, arrays: Arrays, parameters: Parameters) -> None:
     """Fill an empty memory with what `memory_state` gave."""
-    row = 0
+    means, errors, scales = (arrays[name].tolist() for name in ("means", "errors", "scales"))
+    rows = zip(means, errors, scales, strict=True)
     for i, each in enumerate(record["things"]):
         thing = _thing(each)
         weight = thing.look_weight
@@ -67,11 +67,17 @@ def memory_of_state(memory: Memory, record: Json, arrays: Arrays, parameters: Pa
             place = _place(place_record)
             thing.places.append(place)
             if place_record["placed"]:
-                mean, raw = arrays["means"][row]
-                memory.positions.add(thing, place, mean, raw, arrays["errors"][row])
-                memory.positions.scale[place.row] = arrays["scales"][row]
-                memory.positions.respread([place.row], parameters)
-                row += 1
+                row = _place_row(*next(rows), parameters)
+                memory.positions.add([(thing, place, row)])
+
+
+def _place_row(
+    means: list[list[float]], error: list[list[float]], scale: list[float], parameters: Parameters
+) -> Row:
+    (x, y, z), (raw_x, raw_y, raw_z) = means
+    (xx, xy, xz), (_, yy, yz), (*_, zz) = error
+    six, (off, seen) = (xx, xy, xz, yy, yz, zz), scale
+    return Row.of((x, y, z), (raw_x, raw_y, raw_z), six, (off, seen), parameters)
 
 
 def _thing(record: Json) -> Known:

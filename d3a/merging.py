@@ -20,9 +20,10 @@ from d3a.look_space import LookSpace
 from d3a.memory import Memory
 from d3a.neighbours import Neighbours
 from d3a.parameters import Parameters
+from d3a.positions import Row
 from d3a.sightings import Interval, joined
 from d3a.store.base import StayKey
-from d3a.symmetric import FULL, of_rows
+from d3a.symmetric import added, inverse, plus, times
 
 Floats = NDArray[np.float64]
 
@@ -187,12 +188,12 @@ def _join(kept: Known, gone: Known, memory: Memory, parameters: Parameters) -> N
 
 def _join_positions(place: Place, lost: Place, memory: Memory, parameters: Parameters) -> None:
     """Average both positions by what is known of each."""
-    positions = memory.positions
-    a, b = place.row, lost.row
-    precision = np.linalg.inv(positions.error[[a, b]][:, FULL].reshape(2, 3, 3))
-    error = np.linalg.inv(precision[0] + precision[1])
-    for means in (positions.mean, positions.raw):
-        means[a] = error @ (precision[0] @ means[a] + precision[1] @ means[b])
-    positions.error[a] = of_rows(error.ravel().tolist())
-    positions.scale[a] += positions.scale[b]
-    positions.respread([a], parameters)
+    one, other = memory.positions.of(place), memory.positions.of(lost)
+    p, q = inverse(one.error), inverse(other.error)
+    error = inverse(added(p, q))
+    mean, raw = (
+        times(error, plus(times(p, a), times(q, b)))
+        for a, b in ((one.mean, other.mean), (one.raw, other.raw))
+    )
+    scale = one.scale[0] + other.scale[0], one.scale[1] + other.scale[1]
+    memory.positions.put(place, Row.of(mean, raw, error, scale, parameters))

@@ -10,16 +10,18 @@ from __future__ import annotations
 import math
 from bisect import bisect
 from collections.abc import Iterable
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
+from d3a.model import Position
 from d3a.parameters import Parameters
 
 Floats = NDArray[np.float64]
 SHELLS_M = (0.0, 0.15, 0.3, 0.5, 0.8, 1.2)
 """Bounds of the distances that are told apart; beyond, things stand as anywhere in the home."""
-VOLUMES = np.diff(np.array(SHELLS_M) ** 3) * 4 / 3 * np.pi
+VOLUMES = [4 / 3 * math.pi * (far**3 - near**3) for near, far in pairwise(SHELLS_M)]
 REACH_M = SHELLS_M[-1]
 _ENDS_M = SHELLS_M[1:]
 _ENDS_M2 = np.array(_ENDS_M) ** 2
@@ -30,29 +32,23 @@ class Neighbours:
 
     def __init__(self, parameters: Parameters) -> None:
         self._parameters = parameters
-        prior = parameters.beside_prior
-        self.pairs: Floats = prior * VOLUMES / parameters.beside_m3
-        """(shells,): neighbours seen in each shell."""
-        self.seen: Floats = np.array([prior])
-        """(1,): things around which was looked."""
+        self.pairs = [parameters.beside_prior * v / parameters.beside_m3 for v in VOLUMES]
+        """Neighbours seen in each shell."""
+        self.seen = parameters.beside_prior
+        """Things around which was looked."""
 
     def add(self, things: int, apart_m: Iterable[float]) -> None:
         """Learn from a frame of so many things: how far apart its pairs of two categories are."""
         self.seen += things
-        counts = [0] * len(VOLUMES)
         for each in apart_m:
             if each < REACH_M:
-                counts[bisect(_ENDS_M, each)] += 2  # each is the other's neighbour
-        if any(counts):
-            self.pairs += counts
+                self.pairs[bisect(_ENDS_M, each)] += 2.0  # each is the other's neighbour
 
     def shells_m3(self) -> Floats:
         """Return the space (shells + 1,) in which one other thing is found, by how far off."""
-        anywhere = 1.0 / self._parameters.space_m3
-        by_shell = np.empty(len(VOLUMES) + 1)
-        np.maximum(self.pairs / (VOLUMES * self.seen), anywhere, out=by_shell[:-1])
-        by_shell[-1] = anywhere
-        return np.asarray(1.0 / by_shell)
+        most = self._parameters.space_m3
+        looked = zip(self.pairs, VOLUMES, strict=True)
+        return np.array([*(min(v * self.seen / n, most) if n else most for n, v in looked), most])
 
     def space_m3(self, apart_m2: Floats, shells_m3: Floats | None = None) -> Floats:
         """Return the space in which one other thing is found at such distances, alike shaped.
@@ -63,18 +59,20 @@ class Neighbours:
         return np.asarray(shells[_ENDS_M2.searchsorted(apart_m2, side="right")])
 
 
-def beside(places: Floats, placed: NDArray[np.bool_]) -> dict[tuple[int, int], float]:
+def beside(spots: list[Position | None], placed: list[bool]) -> dict[tuple[int, int], float]:
     """Return the pairs of a frame's things that stand side by side, and how far apart they are.
 
-    places: (n, 3); placed: (n,), those that are known well enough to tell.
+    placed: which are known well enough to tell.
     """
     found: dict[tuple[int, int], float] = {}
-    rows = places.tolist()
-    known = [i for i in np.flatnonzero(placed).tolist() if not math.isnan(rows[i][0])]
-    for k, i in enumerate(known):
-        x, y, z = rows[i]
-        for j in known[:k]:
-            dx, dy, dz = x - rows[j][0], y - rows[j][1], z - rows[j][2]
+    known = [
+        (i, s)
+        for i, (s, is_placed) in enumerate(zip(spots, placed, strict=True))
+        if is_placed and s
+    ]
+    for k, (i, (x, y, z)) in enumerate(known):
+        for j, (at_x, at_y, at_z) in known[:k]:
+            dx, dy, dz = x - at_x, y - at_y, z - at_z
             if -REACH_M <= dx <= REACH_M and -REACH_M <= dy <= REACH_M:
                 apart_m = math.sqrt(dx * dx + dy * dy + dz * dz)
                 if apart_m <= REACH_M:

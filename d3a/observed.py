@@ -10,53 +10,62 @@ from numpy.typing import NDArray
 
 from d3a import likelihood
 from d3a.checkpoint import stacked
+from d3a.model import Position
+from d3a.symmetric import Matrix, of_rows
 from d3a.tier1 import Thing
 
 Floats = NDArray[np.float64]
 _UNKNOWN = (math.nan,) * 3
-_EXACT = (0.0,) * 9
+_EXACT = (0.0,) * 6
 
 
 @dataclass(frozen=True, slots=True)
 class Observed:
-    """The things of a frame as arrays. Unknown positions are NaN, unknown looks zeros.
+    """The n things of a frame, of which there is one at least. Unknown looks are zeros.
 
-    places: (n, 3). noise: (n, 3, 3), each detection's own. looks: (n, d), d = 0 without pictures.
-    nowhere: (n,), which have no position. pictured: (n,), which have a look.
+    spots: their positions, None where unknown; places: the same (3, n), NaN where unknown. errors:
+    each detection's own, xx xy xz yy yz zz; noise: the same (6, n). looks: (n, d), d = 0 without
+    pictures; pictured: which have one.
     """
 
     things: tuple[Thing, ...]
+    spots: list[Position | None]
     places: Floats
+    errors: list[Matrix]
     noise: Floats
     looks: NDArray[np.float32]
-    nowhere: NDArray[np.bool_]
-    pictured: NDArray[np.bool_]
+    pictured: list[bool]
 
     @classmethod
     def of(cls, things: list[Thing], is_histogram: bool) -> Observed:
         """Return the arrays of a frame's things."""
         detections = [thing.detection for thing in things]
-        places = np.array([d.position or _UNKNOWN for d in detections], dtype=np.float64)
-        noise = np.array([d.covariance or _EXACT for d in detections], dtype=np.float64)
+        spots = [d.position for d in detections]
+        errors = [_EXACT if d.covariance is None else of_rows(d.covariance) for d in detections]
         looks = likelihood.feature(stacked([d.embedding for d in detections]), is_histogram)
-        count = len(things)
-        places = places.reshape(count, 3)
         return cls(
             tuple(things),
-            places,
-            noise.reshape(count, 3, 3),
+            spots,
+            np.array([_UNKNOWN if spot is None else spot for spot in spots]).T,
+            errors,
+            np.array(errors).T,
             looks,
-            np.isnan(places[:, 0]),
-            np.asarray(looks.any(axis=1)),
+            np.asarray(looks.any(axis=1)).tolist(),
         )
 
     def part(self, wanted: list[int]) -> Observed:
         """Return some of the things."""
         return Observed(
             tuple(self.things[i] for i in wanted),
-            self.places[wanted],
-            self.noise[wanted],
+            [self.spots[i] for i in wanted],
+            self.places[:, wanted],
+            [self.errors[i] for i in wanted],
+            self.noise[:, wanted],
             self.looks[wanted],
-            self.nowhere[wanted],
-            self.pictured[wanted],
+            [self.pictured[i] for i in wanted],
         )
+
+    @property
+    def nowhere(self) -> list[int]:
+        """Which have no position."""
+        return [i for i, spot in enumerate(self.spots) if spot is None]

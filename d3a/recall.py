@@ -23,10 +23,11 @@ from d3a.memory_state import memory_of_state, memory_state
 from d3a.model import Json
 from d3a.outside import Outside
 from d3a.parameters import Parameters
-from d3a.positions import RAW
+from d3a.positions import Row
 from d3a.same_thing import ranked, votes_of
 from d3a.sightings import Interval
 from d3a.store.base import Area, ObjectRecord, StayRecord
+from d3a.symmetric import flat, of_rows
 from d3a.tier3 import Stored
 
 CELL_M = 4.0
@@ -39,8 +40,6 @@ does not hold what looks have told of a place, nor all that is known of where it
 REACH_SIGMAS, SPREAD_M = 3.0, 1.0
 """What comes back is within so many sigmas along each axis: what is farther off is hardly ever what
 was seen. The store is asked what is around as if a thing there might be so far off, one sigma."""
-OWN_VARIANCES = tuple((VARIANCES + 3).tolist())
-"""Of the columns of a place, those along x, y and z."""
 LEAST_M2 = 1e-6
 """No mean is known better than to a millimetre."""
 Floats = NDArray[np.float64]
@@ -105,9 +104,8 @@ class Recall:
     def _stay(self, thing: Known, place: Place, tentative: bool) -> StayRecord:
         position = covariance = None
         if place.row >= 0:
-            x, y, z = self._memory.positions.raw[place.row].tolist()
-            position = (x, y, z)
-            covariance = self._memory.positions.spread(place.row)
+            row = self._memory.positions.of(place)
+            position, covariance = row.raw, flat(row.spread)
         return StayRecord(
             object_id=thing.object_id,
             place=place.number,
@@ -159,7 +157,8 @@ class Recall:
             object_id = each.thing.object_id
             for _, row in each.rows:
                 ids.append(object_id)
-                spots.append((*row.record[RAW], *(row.columns[k] for k in OWN_VARIANCES)))
+                xx, _, _, yy, _, zz = row.spread
+                spots.append((*row.raw, xx, yy, zz))
             if len(each.rows) < len(each.thing.places):
                 self._index.add(object_id, None, ())
         self._index.add_all(ids, spots)
@@ -211,13 +210,12 @@ class Recall:
     def fetch(self, places: Floats, noise: Floats, shared_m2: float, now_ms: int) -> list[Known]:
         """Bring back what is known around some positions (n, 3), NaN where unknown.
 
-        noise (n, 3, 3): covariance of each; shared_m2: variance along each axis of what all of
-        them have in common. Returns what had slept.
+        noise (n, 6): covariance of each, xx xy xz yy yz zz; shared_m2: variance along each axis of
+        what all of them have in common. Returns what had slept.
         """
         if self.outside == 0:
             return []
-        axes = (0, 1, 2)
-        variance = noise[:, axes, axes] + shared_m2
+        variance = noise[:, VARIANCES] + shared_m2
         self._ask(places, variance)
         ids, self._wanted = self._wanted, set()
         ids |= self._index.near(places, variance, REACH_SIGMAS)
@@ -343,17 +341,20 @@ class Recall:
         """Give places their stored positions, all at once."""
         if not placed:
             return
-        surface = np.eye(3) * self._parameters.object_spread_m**2
+        parameters = self._parameters
+        surface = np.eye(3) * parameters.object_spread_m**2
         unknown = (surface * 2).ravel()
         spread = np.array([unknown if s.covariance is None else s.covariance for *_, s in placed])
         # What is stored is the spread: the surface's share comes back when it is spread anew.
         errors = spread.reshape(-1, 3, 3) - surface
         for k in np.flatnonzero(np.linalg.eigvalsh(errors)[:, 0] < LEAST_M2).tolist():
             errors[k] = np.diag(np.maximum(np.diag(errors[k]), LEAST_M2))  # it is to be inverted
-        for (thing, place, stay), error in zip(placed, errors, strict=True):
-            mean = np.array(stay.position)
-            self._memory.positions.add(thing, place, mean, mean, error)
-        self._memory.positions.respread([place.row for _, place, _ in placed], self._parameters)
+        rows = []
+        for (thing, place, stay), error in zip(placed, errors.reshape(-1, 9).tolist(), strict=True):
+            assert stay.position is not None
+            mean = stay.position
+            rows.append((thing, place, Row.of(mean, mean, of_rows(error), (0.0, 0.0), parameters)))
+        self._memory.positions.add(rows)
 
     def to_state(self) -> tuple[Json, Arrays]:
         """Return the memory, and what is known of the store beside what it holds."""

@@ -28,14 +28,15 @@ Look = tuple[Position, int]
 
 def remember_side(place: Place, eye: Position) -> None:
     """Keep the viewpoint, if it is another than those known; the oldest goes."""
-    if not any(math.dist(eye, side) < FAMILIAR_M for side in place.seen_from):
+    # the latest first: a robot mostly is where it just was
+    if not any(math.dist(eye, side) < FAMILIAR_M for side in reversed(place.seen_from)):
         place.seen_from = [*place.seen_from[1 - SIDES_KEPT :], eye]
 
 
 def is_familiar(place: Place, eye: Position, away_m: float) -> bool:
     """Say whether a viewpoint so far away from a place is near one that has shown it."""
     near_m = max(FAMILIAR_M, FAMILIAR_SHARE * away_m)
-    return any(math.dist(eye, side) <= near_m for side in place.seen_from)
+    return any(math.dist(eye, side) <= near_m for side in reversed(place.seen_from))
 
 
 def share_of_look(latest: list[Look], eye: Position, time_ms: int) -> tuple[float, list[Look]]:

@@ -12,8 +12,6 @@ Vector = Sequence[float]
 Six = Sequence[float]
 Triple = tuple[float, float, float]
 Matrix = tuple[float, float, float, float, float, float]
-FULL = [0, 1, 2, 1, 3, 4, 2, 4, 5]
-"""Of the six numbers, those of the matrix row by row."""
 LEAST_M2, FLAT = 1e-9, 1e-6
 """What is added along each axis of a matrix that has no inverse, and the share of its largest
 number, if that is more: a robot on wheels says that its height is exact."""
@@ -22,6 +20,38 @@ number, if that is more: a robot on wheels says that its height is exact."""
 def of_rows(flat: Vector) -> Matrix:
     """Return the six numbers of nine, row by row."""
     return flat[0], flat[1], flat[2], flat[4], flat[5], flat[8]
+
+
+def flat(s: Six) -> tuple[float, ...]:
+    """Return the nine numbers of the matrix, row by row."""
+    xx, xy, xz, yy, yz, zz = s
+    return xx, xy, xz, xy, yy, yz, xz, yz, zz
+
+
+def added(s: Six, t: Six) -> Matrix:
+    """Return the sum of two matrices."""
+    (a, b, c, d, e, f), (g, h, i, j, k, m) = s, t
+    return a + g, b + h, c + i, d + j, e + k, f + m
+
+
+def scaled(s: Six, by: float) -> Matrix:
+    """Return so many times a matrix."""
+    return s[0] * by, s[1] * by, s[2] * by, s[3] * by, s[4] * by, s[5] * by
+
+
+def plus(v: Vector, w: Vector) -> Triple:
+    """Return the sum of two vectors."""
+    return v[0] + w[0], v[1] + w[1], v[2] + w[2]
+
+
+def minus(v: Vector, w: Vector) -> Triple:
+    """Return the difference of two vectors."""
+    return v[0] - w[0], v[1] - w[1], v[2] - w[2]
+
+
+def trace(s: Six) -> float:
+    """Return the sum along the diagonal."""
+    return s[0] + s[3] + s[5]
 
 
 def along(x: float, y: float, z: float) -> Matrix:

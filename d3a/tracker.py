@@ -28,11 +28,13 @@ from d3a.model import Detection, Json
 from d3a.moves import Moves, apply_link
 from d3a.observed import Observed
 from d3a.parameters import Parameters
+from d3a.positions import Row
 from d3a.recall import FIRST_NUMBER, Recall, is_histogram
 from d3a.reconcile import Corrected
 from d3a.sightings import Became, Event, FrameRef, Interval, Scene, Seen, entry_name
 from d3a.singles import Singles
 from d3a.store.base import StayKey, TaughtName
+from d3a.symmetric import added, minus
 from d3a.tier1 import Thing, things
 from d3a.tier3 import Stored
 
@@ -72,11 +74,19 @@ class TrackerPipeline:
     def observe(self, scene: Scene) -> None:
         """Take a frame through the tiers."""
         self._now_ms = scene.ref.time_ms
+        self._matcher.offset.predict(scene.ref.time_ms, scene.pose)
+        seen = self._recognise(scene) if scene.detections else []
+        self._absence.watch(scene, seen, self._matcher.offset)
+        for thing in self._recall.evict():
+            self._absence.forget(thing)
+
+    def _recognise(self, scene: Scene) -> list[tuple[Known, Place]]:
+        """Return what each thing of a frame is, and where; take in all that its views tell."""
         found = things(scene.detections, self._parameters)
         observed = Observed.of(found, self._is_histogram)
         self._fetch(observed, scene)
         boxes = [thing.detection.box for thing in found]
-        said = self._doubts.judge(scene, observed.places, boxes)
+        said = self._doubts.judge(scene, observed.places.T, boxes)
         matches = self._matcher.match(observed, scene.ref.time_ms, scene.pose)
         seen: list[tuple[Known, Place]] = []
         moved: list[tuple[int, Place]] = []
@@ -87,7 +97,7 @@ class TrackerPipeline:
                 thing, place = match.thing, match.place or match.thing.latest
                 if not match.in_range:
                     found[i] = found[i].unplaced()
-                    observed.places[i] = np.nan
+                    observed.spots[i] = None
             if match is None:
                 thing.places[0].doubt = self._doubts.odds(said[i])
                 self._doubtful.add(thing.number)
@@ -95,7 +105,7 @@ class TrackerPipeline:
                 self._doubts.learn(said[i])
             if place.row < 0:
                 self._settle(thing, place, observed, i)
-            elif match is not None and not np.isnan(observed.places[i, 0]):
+            elif match is not None and observed.spots[i] is not None:
                 moved.append((i, place))
             self._view(thing, place, found[i], observed, i, scene.ref)
             seen.append((thing, place))
@@ -104,13 +114,12 @@ class TrackerPipeline:
             thing.met |= numbers
         self._matcher.update(observed, moved, scene.pose)
         self._meet(scene.ref, seen, found)
-        self._absence.watch(scene, seen, self._matcher.offset)
-        for thing in self._recall.evict():
-            self._absence.forget(thing)
+        return seen
 
     def _fetch(self, observed: Observed, scene: Scene) -> None:
         shared = 0.0 if scene.pose is None else self._parameters.pose_sigma_m**2
-        back = self._recall.fetch(observed.places, observed.noise, shared, scene.ref.time_ms)
+        around = observed.places.T, observed.noise.T
+        back = self._recall.fetch(*around, shared, scene.ref.time_ms)
         self._doubtful.update(thing.number for thing in back if self._is_doubtful(thing))
 
     def _born(self, ref: FrameRef) -> tuple[Known, Place]:
@@ -124,12 +133,12 @@ class TrackerPipeline:
 
     def _settle(self, thing: Known, place: Place, observed: Observed, i: int) -> None:
         """Give a place its first position, where this frame knows one."""
-        where = observed.places[i]
-        if not np.isnan(where[0]):
+        where = observed.spots[i]
+        if where is not None:
             offset = self._matcher.offset
-            error = observed.noise[i] + offset.covariance
-            self._memory.positions.add(thing, place, where - offset.mean, where, error)
-            self._memory.positions.respread([place.row], self._parameters)
+            mean, error = minus(where, offset.mean), added(observed.errors[i], offset.covariance)
+            row = Row.of(mean, where, error, (0.0, 0.0), self._parameters)
+            self._memory.positions.add([(thing, place, row)])
 
     def _view(
         self, thing: Known, place: Place, found: Thing, observed: Observed, i: int, ref: FrameRef
@@ -337,10 +346,10 @@ class TrackerPipeline:
         arrays["doubts"] = self._doubts.counts
         arrays["looked"] = self._absence.looked.rows
         arrays["look_scale"] = self._matcher.space.scale
-        arrays["residuals"] = self._matcher.residuals
+        arrays["residuals"] = np.array(self._matcher.residuals)
         arrays["doubt"] = np.array(self._categories.doubt)
-        arrays["neighbours"] = self._matcher.neighbours.pairs
-        arrays["looked_around"] = self._matcher.neighbours.seen
+        arrays["neighbours"] = np.array(self._matcher.neighbours.pairs)
+        arrays["looked_around"] = np.array([self._matcher.neighbours.seen])
         record |= {
             "next": self._next_number,
             "now_ms": self._now_ms,
@@ -361,7 +370,8 @@ class TrackerPipeline:
         self._doubtful = {t.number for t in self._memory.things.values() if self._is_doubtful(t)}
         self._next_number = record["next"]
         self._matcher.looks.sums = np.array(arrays["look_model"])
-        self._matcher.residuals = np.array(arrays["residuals"])
+        summed, number = arrays["residuals"].tolist()
+        self._matcher.residuals = summed, number
         self._matcher.space.sums = np.array(arrays["look_space"])
         self._matcher.space.counts = np.array(arrays["look_counts"])
         self._matcher.space.scale = np.array(arrays["look_scale"])
@@ -374,8 +384,8 @@ class TrackerPipeline:
         }
         self._moves.compared = set(record["compared"])
         self._categories.doubt = (float(arrays["doubt"][0]), float(arrays["doubt"][1]))
-        self._matcher.neighbours.pairs = np.array(arrays["neighbours"])
-        self._matcher.neighbours.seen = np.array(arrays["looked_around"])
+        self._matcher.neighbours.pairs = arrays["neighbours"].tolist()
+        self._matcher.neighbours.seen = float(arrays["looked_around"][0])
         self._categories.counts.update(record["categories"])
         self._matcher.offset.restore(record["offset"])
         self._absence.restore(record["absence"], arrays["looked"])

@@ -21,7 +21,7 @@ from d3a.known import Known, Place
 from d3a.memory import Memory
 from d3a.model import Pose
 from d3a.parameters import Parameters
-from d3a.symmetric import of_rows
+from d3a.symmetric import minus
 from d3a.tier1 import Thing
 
 Floats = NDArray[np.float64]
@@ -92,10 +92,9 @@ class WrongRanges:
         seen = [i for i, _ in pairs]
         places = [thing.latest for _, thing in pairs]
         columns = self._memory.positions.columns[:, [place.row for place in places]]
-        where = frame.places[:, seen] - offset.mean[:, None]
-        shared = np.array(of_rows(offset.covariance.ravel().tolist()))
-        noise = frame.noise[:, seen] + shared[:, None] + columns[3:]
-        eye = (np.array(pose.position) - offset.mean)[:, None]
+        aimed, noise = frame.aim(offset)
+        where, noise = aimed[:, seen], noise[:, seen] + columns[3:]
+        eye = np.array(minus(pose.position, offset.mean))[:, None]
         known = columns[:3]
         sides = np.array([_side(p, m) for p, m in zip(places, known.T, strict=True)]).T
         sizes = np.array([_size(frame, i, thing) for i, thing in pairs])
@@ -109,8 +108,8 @@ class WrongRanges:
     def loosen(self, place: Place) -> None:
         """Take back how far off a place is from where it was seen: its next view tells."""
         positions = self._memory.positions
-        beam = positions.mean[place.row] - np.array(place.seen_from[-1])
-        positions.loosen(place.row, _wrong(beam[:, None])[:, 0].tolist(), self._parameters)
+        beam = np.array(minus(positions.of(place).mean, place.seen_from[-1]))
+        positions.loosen(place, _wrong(beam[:, None])[:, 0].tolist(), self._parameters)
 
     def _along(self, away: Floats, noise: Floats, beam: Floats) -> Floats:
         """Return what a place tells (k,), where it may be anywhere along a beam, all (3 | 6, k)."""

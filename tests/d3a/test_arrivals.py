@@ -17,6 +17,7 @@ from d3a.memory import Memory
 from d3a.model import Camera, Pose
 from d3a.moves import BINS, Moves
 from d3a.parameters import DEFAULT
+from d3a.positions import Row
 from d3a.sightings import FrameRef, Scene
 
 Turn = tuple[float, float, float, float]
@@ -127,8 +128,9 @@ def placed(memory: Memory, number: int, look: list[float], place: Place) -> Know
     thing.places.append(place)
     memory.add(thing)
     memory.looks.put(thing, np.array(look, dtype=np.float32), 9.0)
-    memory.positions.add(thing, place, WHERE, WHERE, np.eye(3) * 0.01)
-    memory.positions.respread([place.row], DEFAULT)
+    error = (0.01, 0.0, 0.0, 0.01, 0.0, 0.01)
+    row = Row.of((2.0, 0.0, 0.0), (2.0, 0.0, 0.0), error, (0.0, 0.0), DEFAULT)
+    memory.positions.add([(thing, place, row)])
     return thing
 
 

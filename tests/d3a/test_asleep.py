@@ -10,6 +10,7 @@ from d3a.known import Known, Place
 from d3a.memory import Memory, Whole
 from d3a.model import Detection, Frame, Pose
 from d3a.parameters import DEFAULT
+from d3a.positions import Row
 from tests.worlds.oracle import OracleStore
 from tests.worlds.rounds import CAMERA, FORWARD, START_MS, ListReader, colour, depth_png
 
@@ -78,9 +79,10 @@ def test_things_that_sleep_keep_all_their_numbers() -> None:
         memory.add(thing)
         memory.looks.put(thing, colour(number), 2.0)
         for place in thing.places:
-            mean, raw = rng.normal(size=(2, 3))
-            memory.positions.add(thing, place, mean, raw, np.diag(rng.uniform(0.1, 1, 3)))
-            memory.positions.respread([place.row], DEFAULT)
+            (x, y, z), (xx, yy, zz) = rng.normal(size=3), rng.uniform(0.1, 1, 3)
+            error = (xx, 0.0, 0.0, yy, 0.0, zz)
+            row = Row.of((x, y, z), (-x, y, z), error, (0.0, 0.0), DEFAULT)
+            memory.positions.add([(thing, place, row)])
     before = {whole.thing.number: whole for whole in memory.wholes()}
     kinds = ("bowl", "cup", "mug")
     for _ in range(20):  # they leave and come in any order

@@ -216,6 +216,34 @@ def test_an_assignment_is_one_to_one_beats_new_and_is_the_best(rows: list[list[f
     )
 
 
+@given(
+    st.lists(
+        st.lists(st.integers(-4, 9).map(float), min_size=4, max_size=4), min_size=1, max_size=4
+    ),
+    st.integers(0, 99),
+)
+def test_what_is_settled_stands_though_every_score_may_be_a_little_off(
+    rows: list[list[float]], seed: int
+) -> None:
+    scores, by = np.array(rows), 3.0
+    taken = likelihood.assign(scores, 0.5)
+    if likelihood.is_settled(scores, taken, 0.5, by):
+        off = np.random.default_rng(seed).uniform(-by / 2, by / 2, scores.shape)
+        assert likelihood.assign(scores + off, 0.5) == taken
+
+
+def test_a_frame_is_settled_where_nothing_comes_near() -> None:
+    scores = np.array([[5.0, -9.0], [-9.0, -9.0]])
+    assert likelihood.assign(scores, 0.0) == [0, -1]
+    assert likelihood.is_settled(scores, [0, -1], 0.0, 3.0)
+    for near in (
+        [[5.0, 2.1], [-9.0, -9.0]],
+        [[2.9, -9.0], [-9.0, -9.0]],
+        [[5.0, -9.0], [-9.0, -2.9]],
+    ):
+        assert not likelihood.is_settled(np.array(near), [0, -1], 0.0, 3.0)
+
+
 def test_the_best_sum_wins_over_the_best_pair() -> None:
     scores = np.array([[5.0, 4.9], [4.8, -9.0]])
     assert likelihood.assign(scores, 0.0) == [1, 0]

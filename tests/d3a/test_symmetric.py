@@ -35,6 +35,10 @@ def test_it_computes_what_numpy_does(
     assert np.allclose(symmetric.times(s, vector), a @ v)
     assert symmetric.squared(s, vector) == pytest.approx(float(v @ a @ v), abs=1e-9)
     assert np.allclose(symmetric.product(s, t), a @ b)
+    assert np.allclose(symmetric.added(s, t), (a + b)[UPPER])
+    assert np.allclose(symmetric.scaled(s, 3.0), (3.0 * a)[UPPER])
+    assert np.allclose(symmetric.flat(s), a.ravel())
+    assert symmetric.trace(s) == pytest.approx(float(np.trace(a)))
 
 
 def test_a_matrix_that_is_exact_along_an_axis_has_an_inverse() -> None:
