@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 
+from assistant.amounts import holds
 from assistant.conditions import gathered_words
 from assistant.english import listed, number_word, times
 from assistant.phrases import (
@@ -38,7 +40,7 @@ def sureness(answer: Answer, query: FormalQuery) -> str:
         point
         or answer.otherwise is not None
         or is_open(query)
-        or (quantity is not None and answer.least < quantity)
+        or (quantity is not None and not (answer.query and holds(answer, query)))
     ):
         return ""
     if is_by_look(best.object_id):
@@ -103,4 +105,5 @@ def left_out(answer: Answer) -> str:
         return ""
     place = answer.query.place if answer.query is not None else None
     told = [at_place(place) if place and w == f"in the {place}" else w for w in answer.unjudged]
-    return f"I cannot tell what is {listed([f'“{words}”' for words in told])} here."
+    spoken = [re.sub(r"\d+$", lambda m: number_word(int(m[0])), words) for words in told]
+    return f"I cannot tell what is {listed([f'“{words}”' for words in spoken])} here."

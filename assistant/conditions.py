@@ -27,7 +27,7 @@ def condition_words(answer: Answer, query: FormalQuery) -> str:
     if f"in the {query.place}" in answer.unjudged:
         return related
     absent = query.negated and query.relation is None and query.ask != "whether"
-    place = f" {'not ' if absent else ''}{asked_place(query, query.place)}"
+    place = f" {'not ' if absent != query.outside else ''}{asked_place(query, query.place)}"
     # not on the counter in the kitchen would deny the kitchen too
     return f"{place} but{related}" if related and is_denied(query) else f"{related}{place}"
 
@@ -61,7 +61,8 @@ def _related_words(answer: Answer, query: FormalQuery) -> str:
 
 def _ground(answer: Answer, query: FormalQuery, term: ObjectTerm) -> str:
     """Return what things were related to: the table, two cups."""
-    if term.quantity is not None and term.quantity > 1 and not term.owner:
+    several = term.quantity is not None and term.quantity > 1 and term.bound == "least"
+    if term.quantity is not None and several and not term.owner:
         return counted(term.quantity, described(term, answer.unjudged))
     return definite(term, numbered(query, term, answer.unjudged))
 

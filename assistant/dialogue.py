@@ -18,7 +18,7 @@ from grammar.forms import (
     TimeSlice,
 )
 from grammar.fragments import Fragment, Relative, is_list, parse_fragment
-from grammar.meaning import AtPlace, Item, Related, SideBySide, form_of
+from grammar.meaning import AtPlace, Item, Outside, Related, SideBySide, form_of
 from grammar.parser import parse
 from grammar.vocabulary import lexicon
 
@@ -205,7 +205,8 @@ def _figures(query: FormalQuery) -> int:
 
 def _refers_back(term: ObjectTerm, items: tuple[Item, ...]) -> bool:
     """Whether a term has no noun of its own: the red one, anna's, the one on the shelf."""
-    described = items or term.attributes or term.without or term.owner or term.quantity
+    whose = term.owner or term.not_owner
+    described = items or term.attributes or term.without or whose or term.quantity
     return term.category == ANYTHING and term.word == "thing" and bool(described)
 
 
@@ -223,8 +224,10 @@ def _described(term: ObjectTerm, change: ObjectTerm) -> ObjectTerm:
         term,
         attributes=(*kept, *change.attributes),
         without=(*lacking, *change.without),
-        owner=change.owner or term.owner,
+        owner=change.owner or (term.owner if change.not_owner is None else None),
+        not_owner=change.not_owner or (term.not_owner if change.owner is None else None),
         quantity=change.quantity or term.quantity,
+        bound=change.bound if change.quantity else term.bound,
     )
 
 
@@ -234,13 +237,17 @@ def _with_items(query: FormalQuery, fragment: Fragment) -> FormalQuery:
         count = _figures(query)
         match item:
             case AtPlace():
-                query = replace(query, place=item.name)
+                query = replace(query, place=item.name, outside=False)
+            case Outside():
+                query = replace(query, place=item.name, outside=True)
             case SideBySide():
                 query = replace(query, relation=Relation(item.kind))
             case Related():
                 objects = (*query.objects[:count], *item.group.terms)
                 relation = Relation(item.kind, item.negated)
-                query = replace(query, objects=objects, relation=relation, place=None)
+                query = replace(
+                    query, objects=objects, relation=relation, place=None, outside=False
+                )
             case _:
-                query = replace(query, place=None)
+                query = replace(query, place=None, outside=False)
     return query

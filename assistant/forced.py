@@ -63,5 +63,7 @@ def _bare(term: ObjectTerm, *, is_any: bool) -> ObjectTerm:
     if where is not None:
         where = replace(where, object=_bare(where.object, is_any=is_any))
     if is_any:
-        return ObjectTerm(ANYTHING, var=term.var, quantity=term.quantity, where=where)
+        return ObjectTerm(
+            ANYTHING, var=term.var, quantity=term.quantity, bound=term.bound, where=where
+        )
     return replace(term, attributes=(), without=(), where=where)

@@ -22,10 +22,12 @@ from d3a.colours import is_colour
 from d3a.rank import LEAST_OF_BEST
 from grammar import vocabulary
 from grammar.forms import ANYTHING, FormalQuery, ObjectTerm
-from grammar.nountags import KIN, ON_PLACES
+from grammar.nountags import KIN, ON_PLACES, PEOPLE
 from grammar.phrases import BARE_PLACES
 
 _ALL = frozenset({"everybody", "everyone"})
+_SPOKEN_OF = {"her": ("her", "hers"), "him": ("his", "his"), "them": ("their", "theirs")}
+"""Owners who were told of by a pronoun alone: before what is theirs, and after it."""
 _ROOMY = ("room", " area", " corner", " wing", " zone", " floor")
 SCORE_OF_WORD = 0.86
 """Below this the word was a wider or narrower one: the answer says what was found instead."""
@@ -50,6 +52,8 @@ def described(term: ObjectTerm, unjudged: tuple[str, ...] = (), *, noun: str | N
             words.insert(i, "and")
     said = " ".join([*words, noun or noun_of(term)])
     without = [word for word in term.without if f"not {word}" not in unjudged]
+    if term.not_owner is not None and not any(word.startswith("not ") for word in unjudged):
+        without.append(theirs(term.not_owner))
     return f"{said} that is not {listed(without)}" if without else said
 
 
@@ -74,13 +78,19 @@ def whose(owner: str) -> str:
     """Return an owner before what is theirs: "your", "Anna's", "your grandmother's"."""
     if owner in ("me", "you"):
         return "your" if owner == "me" else "my"
+    if owner in _SPOKEN_OF:
+        return _SPOKEN_OF[owner][0]
     if owner in KIN - _ALL:
         return f"your {owner}'s"
+    if owner in PEOPLE - KIN:
+        return f"the {owner}'s"
     return f"{sentence_case(owner)}'s"
 
 
 def theirs(owner: str) -> str:
     """Return whose a thing is, after it: "yours", "Anna's"."""
+    if owner in _SPOKEN_OF:
+        return _SPOKEN_OF[owner][1]
     return {"me": "yours", "you": "mine"}.get(owner) or whose(owner)
 
 
@@ -293,8 +303,10 @@ def tells_nothing(answer: Answer) -> bool:
     query = answer.query
     if query is None or answer.status != "found":
         return False
-    conditions = (query.relation is not None) + (query.place is not None)
-    anything = term_of(query).category == ANYTHING and not term_of(query).attributes
+    term = term_of(query)
+    whose = term.owner is not None or term.not_owner is not None
+    conditions = (query.relation is not None) + (query.place is not None) + whose
+    anything = term.category == ANYTHING and not term.attributes
     listing = query.ask in ("what", "whether", "count")
     return anything and listing and 0 < conditions <= len(answer.unjudged)
 

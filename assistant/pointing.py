@@ -135,7 +135,7 @@ def row_words(row: RankedKeyframe, query: FormalQuery | None, *, ask: str, now: 
     term = term_of_row(row, query)
     base = query or FormalQuery(row.category, "Q1", "where", (term,))
     alone = replace(
-        base, ask="where", objects=(term,), relation=None, place=None, time=None,
+        base, ask="where", objects=(term,), relation=None, place=None, outside=False, time=None,
         select="all", negated=False,
     )  # fmt: skip
     if ask == "when":

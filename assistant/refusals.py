@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from datetime import datetime
 
+from assistant.amounts import agrees_with_none, other_amount_words
 from assistant.conditions import condition_words, gathered_words
 from assistant.english import (
     all_of,
@@ -44,19 +45,19 @@ def refusal_words(answer: Answer, query: FormalQuery, now: datetime) -> str:
     now: aware, its zone is that of the times said.
     """
     term = _refused_term(answer, query)
-    opening = "That is right: " if query.negated and query.ask == "whether" else ""
+    opening = "That is right: " if agrees_with_none(query) else ""
     if answer.reason == "empty":
         return "My memory is empty: nothing was stored yet."
     if untaught := not_taught(answer, query, term):
         return untaught
     if answer.status == "unknown_object":
-        return opening + _unknown(answer, query, term) + _last_look(answer, query, now)
+        never = opening if answer.reason == "never" else ""  # who knows what it never knew
+        return never + _unknown(answer, query, term) + _last_look(answer, query, now)
     if answer.reason == "gone" and query.select == "last" and query.ask != "where":
         return sentence_case(f"{opening}{_not_any_more(answer, query, now)}")
     if answer.count and answer.otherwise is not None:
-        few = counted(answer.count, described(term, answer.unjudged))
-        told = f"I saw only {few}{condition_words(answer, query)}"
-        return f"{opening or 'No. '}{told}, last {when(answer.otherwise.end, now)}."
+        last = f"last {when(answer.otherwise.end, now)}"
+        return other_amount_words(answer, query, condition_words(answer, query), last)
     none, condition = _none_of(answer, query, term), condition_words(answer, query)
     told = f"{opening}I never saw {none}{condition}."
     time = f" {slice_words(query.time, now)}" if query.time else ""
@@ -98,7 +99,8 @@ def _last_look(answer: Answer, query: FormalQuery, now: datetime) -> str:
 
 def looking_into(answer: Answer, query: FormalQuery) -> str:
     """Return the room that was looked into: " in the kitchen"; "" where none was asked for."""
-    return f" {asked_place(query, query.place)}" if query.place and not answer.unjudged else ""
+    told = query.place and not query.outside and not answer.unjudged
+    return f" {asked_place(query, query.place)}" if query.place and told else ""
 
 
 def _none_like_it(answer: Answer, query: FormalQuery, refused: list[str], now: datetime) -> str:

@@ -11,6 +11,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from datetime import datetime
 
+from assistant.amounts import amount_words
 from assistant.caveats import is_open, left_out, sureness
 from assistant.conditions import condition_words, gathered_words
 from assistant.english import (
@@ -94,15 +95,9 @@ def _whether(answer: Answer, query: FormalQuery, now: datetime) -> str:
     if together := gathered_words(answer, query):
         thing = together
     elif term.quantity is not None:
-        words = counted(answer.count, described(term, answer.unjudged))
-        if answer.least < term.quantity:
-            least = counted(answer.least, described(term, answer.unjudged))
-            told = f"I cannot be sure: I saw at least {least}{condition}, {last}"
-            return f"{told}. More that I saw may be the same at another place."
-        thing = words
-        if answer.least < answer.count:
-            least = counted(answer.least, described(term, answer.unjudged))
-            return f"{opening}I saw at least {least}{condition}, {last}."
+        if told := amount_words(answer, query, condition, last):
+            return told
+        thing = counted(answer.count, described(term, answer.unjudged))
     else:
         thing = indefinite(term, found_words(answer, query), many=many)
     where = there_words(newest, query)

@@ -54,7 +54,7 @@ def on_a_spot(query: FormalQuery, facts: Facts) -> FormalQuery:
         objects=query.objects[:1],
         relation=None,
         place=spot,
-        negated=query.negated or relation.negated,
+        outside=relation.negated,
     )
 
 
@@ -65,8 +65,9 @@ def _beside_things(query: FormalQuery, facts: Facts) -> FormalQuery:
         return query
     if _is_place(name, facts) or not _is_thing(name, facts):
         return query
-    ground, near = ObjectTerm(vocabulary.canonical(name), name), Relation("near")
-    return replace(query, form="Q2", objects=(*query.objects, ground), place=None, relation=near)
+    ground = ObjectTerm(vocabulary.canonical(name), name)
+    near, objects = Relation("near", query.outside), (*query.objects, ground)
+    return replace(query, form="Q2", objects=objects, place=None, outside=False, relation=near)
 
 
 def of_the_spot(query: FormalQuery, facts: Facts) -> str:
@@ -127,7 +128,7 @@ def without_itself(answer: Answer, query: FormalQuery) -> Answer:
 
 def _spot_of(ground: ObjectTerm, facts: Facts) -> str | None:
     """Return the place that the words of an object name, as it is written; the exact one first."""
-    if ground.without or ground.quantity is not None or ground.where is not None:
+    if ground.without or ground.not_owner or ground.quantity is not None or ground.where:
         return None
     whose = "" if ground.owner in (None, "me") else f"{ground.owner}'s "
     words = (" ".join((*ground.attributes, noun)) for noun in (ground.word, ground.category))

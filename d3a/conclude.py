@@ -25,7 +25,7 @@ def conclude(run: Run, limit: int) -> Answer:
     keyframes, truncated = _keyframes(run, limit)
     moments = run.standing(one.moment for one in run.ranked)
     objects = {e.sighting.object_id for moment in moments for e in moment.entries[: run.figures]}
-    least = _least(run)
+    least = least_of(run) or run.surely
     return Answer(
         text=run.query.text,
         status=run.status,
@@ -135,7 +135,7 @@ def _otherwise(run: Run) -> RankedKeyframe | None:
     return keyframe(run, entry, 1, min(1.0, score), why)
 
 
-def _least(run: Run) -> int:
+def least_of(run: Run) -> int:
     """Return how many of the found objects must be different things, over their categories."""
     of: dict[str, list[Sighting]] = {}
     for moment in run.standing(one.moment for one in run.ranked):

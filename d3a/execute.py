@@ -51,6 +51,7 @@ from d3a.plan import (
     Relate,
     Step,
     Unite,
+    numbers_unjudged,
 )
 from d3a.presence import keep_present
 from d3a.rank import rank
@@ -78,6 +79,8 @@ def execute(
     """
     run = Run(plan.query, store, lexicon, now, parameters, facts or Facts(store), plan.steps)
     run.limit = limit
+    for term in numbers_unjudged(plan.query):
+        run.leave_out(f"{'at most' if term.bound == 'most' else term.bound} {term.quantity}")
     started = perf_counter()
     ranking_ms = 0.0
     for step in plan.steps:
@@ -157,13 +160,31 @@ def _find_objects(run: Run, step: FindObjects) -> None:
             if other is None or other.match < candidate.match:
                 best[candidate.record.object_id] = candidate
         found, known = [best[name] for name in sorted(best)], known or known_within
+    found = _not_theirs(run, step, found)
     table = Found({c.record.object_id: c for c in found})
     table.known = known
     run.found[step.var] = table
-    if step.owner not in (None, "me", "you") and found:
+    told = step.owner in ("me", "you") and run.query.ask not in ("what", "count")
+    if step.owner is not None and found and not told:
         mine = any(n.owner == step.owner for c in found for n in c.record.names)
         if not mine:
-            run.leave_out(f"{step.owner}'s")
+            run.leave_out(_theirs(step.owner))
+
+
+def _not_theirs(run: Run, step: FindObjects, found: list[Candidate]) -> list[Candidate]:
+    """Leave out what is taught to be theirs; not judged where nothing is."""
+    if step.not_owner is None or not found:
+        return found
+    kept = [c for c in found if all(n.owner != step.not_owner for n in c.record.names)]
+    if len(kept) == len(found):
+        run.leave_out(f"not {_theirs(step.not_owner)}")
+    return kept
+
+
+def _theirs(owner: str | None) -> str:
+    """Return an owner as it is said alone: mine, hers, anna's."""
+    alone = {"me": "mine", "you": "yours", "her": "hers", "him": "his", "them": "theirs"}
+    return alone.get(owner or "", f"{owner}'s")
 
 
 def _candidates(run: Run, step: FindObjects, *, looks: bool) -> tuple[list[Candidate], bool]:

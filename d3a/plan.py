@@ -118,7 +118,7 @@ def plan(
     names = tuple(term.var for term in objects)
     var = names[0]
     if query.place is not None:
-        negated = polarity and query.relation is None
+        negated = (polarity and query.relation is None) != query.outside
         placed = names if query.relation is None else (var,)
         steps += [FilterPlace(name, query.place, negated) for name in placed]
     united = False
@@ -140,8 +140,9 @@ def plan(
     if _wants_the_last(query):
         steps.append(FindLaterNames(var))
     steps.append(FindLandmarks(var))
-    steps.append(Cover(query.place))
-    steps.append(ExplainEmpty(alone, query.time, query.place))
+    within = None if query.outside else query.place
+    steps.append(Cover(within))
+    steps.append(ExplainEmpty(alone, query.time, within))
     return Plan(query, tuple(steps))
 
 
@@ -176,7 +177,7 @@ def _object_steps(
     """Return the steps that find what a term may mean."""
     counted = query.ask in ("count", "moved", "missing") or term.quantity is not None
     votes = figure and not counted and precision is None and term.category != ANYTHING
-    find = FindObjects(var, term.category, term.word, term.owner, precision, votes)
+    find = FindObjects(var, term.category, term.word, term.owner, precision, votes, term.not_owner)
     steps: list[Step] = [find]
     if (term.attributes or term.without) and precision not in ("category", "any"):
         doubts = "." not in var and _lists_doubts(query, term)
@@ -220,10 +221,23 @@ def numbers_together(query: FormalQuery) -> tuple[int, ...]:
     together = query.relation is not None and query.relation.kind == "together"
     if not together or _is_of_all_time(query):
         return ()
-    numbers = [max(term.quantity or 1, 1) for term in query.objects or (ObjectTerm(ANYTHING),)]
+    terms = query.objects or (ObjectTerm(ANYTHING),)
+    # of at most three together, or exactly three, no group tells
+    numbers = [max(term.quantity or 1, 1) if term.bound == "least" else 1 for term in terms]
     if len(numbers) == 1:
         return (max(numbers[0], 2),)  # one thing is together with another of its kind
     return tuple(numbers) if max(numbers) > 1 else ()
+
+
+def numbers_unjudged(query: FormalQuery) -> tuple[ObjectTerm, ...]:
+    """Return the objects whose number is bounded in a way that the answer does not judge.
+
+    How many there were of what it is asked whether they were seen is judged, and no other number.
+    """
+    together = query.relation is not None and query.relation.kind == "together"
+    several = query.relation is None and len(query.objects) > 1
+    judges = query.ask == "whether" and not together and not several
+    return tuple(term for term in query.objects[1 if judges else 0 :] if term.bound != "least")
 
 
 def _relate(query: FormalQuery, names: tuple[str, ...], negated: bool) -> Relate | Gather:

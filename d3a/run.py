@@ -50,9 +50,10 @@ class Run:
     candidates that the noun means wherever they are. refused: the attributes that `otherwise`
     does not have. looked_then, apart: see `Answer`. denied: by variable, the things that were said
     not to be the owner's. limit: of keyframes. cut: not every sighting
-    was read; counted: of how many objects there are some; figures: how many of a moment's entries
-    are what is asked for, more than one of things that were together; since_ms: from when on a
-    relation was looked for, as the variables `reached` allow.
+    was read; counted: of how many objects there are some; surely: how many of them must be
+    different things, where that is too many; figures: how many of a moment's entries are what is
+    asked for, more than one of things that were together; since_ms: from when on a relation was
+    looked for, as the variables `reached` allow.
     """
 
     query: FormalQuery
@@ -80,6 +81,7 @@ class Run:
     limit: int = 50
     cut: bool = False
     counted: int = 0
+    surely: int = 0
     figures: int = 1
     since_ms: int = 0
     reached: set[str] = field(default_factory=set)

@@ -27,6 +27,7 @@ class FindObjects:
 
     var: the variable of the formal query; `x.1` is the object that describes `x`.
     votes: also what only some of the detections called so, with the worth of their share.
+    not_owner: who it must not be taught to belong to.
     """
 
     var: str
@@ -35,6 +36,7 @@ class FindObjects:
     owner: str | None = None
     precision: Precision | None = None
     votes: bool = False
+    not_owner: str | None = None
 
 
 @dataclass(frozen=True, slots=True)

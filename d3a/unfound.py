@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from d3a.changes import by_object, left_places
+from d3a.conclude import least_of
 from d3a.distinct import things_of
 from d3a.moments import Found, Moment, in_slice, single
 from d3a.places import last_look
@@ -24,7 +25,7 @@ def explain_empty(run: Run, step: ExplainEmpty) -> None:
     """
     unseen = [] if run.moments is not None else [v for v in step.vars if not run.found[v].sightings]
     if run.ranked and not (unseen and run.query.ask == "whether"):
-        if _are_too_few(run):
+        if _is_another_number(run):
             return
         if edge_of(run.query) is not None:  # what was found may be of before and after
             run.looked_then = _looked_then(run, step)
@@ -47,22 +48,27 @@ def explain_empty(run: Run, step: ExplainEmpty) -> None:
     run.find_landmarks()
 
 
-def _are_too_few(run: Run) -> bool:
-    """Say whether fewer were seen than a yes or no was asked of: a no, which tells how many.
+def _is_another_number(run: Run) -> bool:
+    """Say whether fewer or more were seen than a yes or no was asked of: a no with their number.
 
-    Every object counts, though two ids may be one thing: there were no more.
+    Too few are they where all objects are, though two ids may be one thing; too many where those
+    are that must be different things.
     """
-    quantity = run.query.objects[0].quantity if run.query.objects else None
-    if run.query.ask != "whether" or quantity is None or run.figures > 1:
+    term = run.query.objects[0] if run.query.objects else ObjectTerm(ANYTHING)
+    if run.query.ask != "whether" or term.quantity is None or run.figures > 1:
         return False
     standing = {id(moment) for moment in run.standing(one.moment for one in run.ranked)}
     ranked = [one for one in run.ranked if id(one.moment) in standing]
     number = len({one.moment.figure.sighting.object_id for one in ranked})
-    if number >= quantity:
+    judged = term.bound != "least" and not run.unjudged  # of four cups two may be wooden
+    surely = least_of(run) if judged else 0
+    few = number < term.quantity and term.bound != "most"
+    if not few and surely <= term.quantity:
         return False
     least = max(one.score for one in ranked) * LEAST_OF_BEST
     likely = [one.moment for one in ranked if one.score >= least]
-    run.status, run.reason, run.ranked, run.counted = "not_found", "never", [], number
+    run.status, run.reason, run.ranked = "not_found", "never", []
+    run.counted, run.surely = number, 0 if few else surely
     run.otherwise = max(likely, key=lambda moment: moment.end_ms)
     run.find_landmarks()
     return True

@@ -12,6 +12,7 @@ from grammar.phrases import SUBJECT_OF, phrases, place_follows, stands_at
 
 _SUBJECTS = ("i", "we", "you", "he", "she", "they")
 _AUXILIARY = words_of("have had has am is are was were been did do will would could can")
+_OBJECTS = ("her", "him", "them")
 _BEFORE_VERB = words_of(
     "last just already always usually normally often typically generally sometimes recently also "
     "never not ever most previously"
@@ -26,13 +27,15 @@ class ClauseTagger(Cursor):
         kinds = [t.type for t in self.out.tags[-3:]]
         if self._text(self.i) == "that" and kinds == ["NOUN", "BE", "THERE"]:
             del self.out.tags[-2:]  # how many chairs are there that are not wooden
-        if self._last() not in ("NOUN", "ONE", "ATTR", "PART"):
+        if self._last() not in ("NOUN", "ONE", "ATTR", "PART", "AT_PLACE"):
             return False
         if self._text(self.i) in _SUBJECTS and self._asked():
             return self._relative(self.i)
         if self._text(self.i) not in ("that", "which", "who"):
             return False
         k = self.i + 1
+        if self._of_theirs(k):
+            return True
         if k < len(self.words) and stands_at(self.words, k):
             self.i = k + 1  # the picture that hangs over the sofa
             return True
@@ -44,8 +47,10 @@ class ClauseTagger(Cursor):
             far = self._extraposed(plural)
             if negated and self._text(k) in DETERMINERS:
                 self._emit("_EXCEPT", 0, k - self.i)  # that is not a cup
-            elif not negated and self._is_theirs(k):
-                self._belongs(k)
+            elif self._is_theirs(k):
+                far = self._extraposed(plural, owned=True)
+                self._emit("_THAT_IS_NOT" if negated else "_THAT_IS", far, k - self.i)
+                self._belongs(self.i)
             elif self._attribute_at(k) or self._looks(k):
                 self._emit("_THAT_IS_NOT" if negated else "_THAT_IS", far, k - self.i)
             elif self._text(k) in ("made", "built"):
@@ -65,9 +70,6 @@ class ClauseTagger(Cursor):
             return self._holds(k + 1 + none, none=none)
         if [self._text(k + n) for n in (1, 2)] == ["not", "have"]:
             return self._part_of(k + 3, without=True)
-        if self._text(k) in ("belongs", "belong", "belonged") and self._text(k + 1) == "to":
-            self.i = k
-            return self._belongs(k + 2)
         return self._relative(k)
 
     def _seen_at(self, k: int) -> bool:
@@ -113,21 +115,46 @@ class ClauseTagger(Cursor):
         self.i = k + 1
         return True
 
+    def _of_theirs(self, k: int) -> bool:
+        """Read that belongs to me, that does not belong to anna."""
+        negated = self._text(k) in ("do", "does", "did") and self._text(k + 1) == "not"
+        verb = k + 2 * negated
+        belongs = self._text(verb) in ("belongs", "belong", "belonged")
+        if not belongs or self._text(verb + 1) != "to" or not self._owner_at(verb + 2):
+            return False
+        far = self._extraposed(self._text(k) in ("belong", "do"), owned=True)
+        self._emit("_THAT_IS_NOT" if negated else "_THAT_IS", far, verb + 2 - self.i)
+        return self._belongs(self.i)
+
     def _belongs(self, k: int) -> bool:
-        while self._text(k) in DETERMINERS or (self._text(k) in OWNERS and self._open_at(k + 1)):
-            k += 1  # that belongs to my mother
-        owner = self._text(k)
-        if owner in OWNED or is_open(owner):
-            self._emit("OWNED", OWNED.get(owner, owner.removesuffix("'s")), k + 1 - self.i)
-            return True
-        return False
+        if not self._owner_at(k):
+            return False
+        k = self._to_owner(k)
+        self._emit("OWNED", self._whose(k), k + 1 - self.i)
+        return True
+
+    def _to_owner(self, k: int) -> int:
+        """Return where the owner's own word stands: my mother, the nurse's."""
+        while self._open_at(k + 1) and (self._text(k) in DETERMINERS or self._text(k) in OWNERS):
+            k += 1
+        return k
+
+    def _owner_at(self, k: int) -> bool:
+        owner = self._text(self._to_owner(k))
+        return owner in OWNED or is_open(owner)
+
+    def _whose(self, k: int) -> str:
+        """Return the owner at `k` as it is kept; hers is of the one whose thing was spoken of."""
+        text = self._text(k)
+        owner = OWNED.get(text, text.removesuffix("'s"))
+        spoken = self.it.owner if self.it is not None else None
+        return spoken if spoken and owner in ("her", "him", "them") else owner
 
     def _is_theirs(self, k: int) -> bool:
         """Whether an owner stands at `k` with nothing of theirs after it: that is anna's."""
-        while self._text(k) in DETERMINERS or (self._text(k) in OWNERS and self._open_at(k + 1)):
-            k += 1
-        theirs = self._text(k) in OWNED or self._text(k).endswith("'s")
-        return theirs and not self._open_at(k + 1)
+        k = self._to_owner(k)
+        alone = self._text(k) in OWNED and self._text(k) not in ("me", "us", "you", *_OBJECTS)
+        return (alone or self._text(k).endswith("'s")) and not self._open_at(k + 1)
 
     def _looks(self, k: int) -> bool:
         """Whether a look that is a noun elsewhere stands alone at `k`: that is orange."""
@@ -137,12 +164,15 @@ class ClauseTagger(Cursor):
         found = self.reader.read(self.words, k) if is_open(self._text(k)) else []
         return bool(found) and isinstance(found[0][0], Attribute)
 
-    def _extraposed(self, plural: bool) -> bool:
+    def _extraposed(self, plural: bool, *, owned: bool = False) -> bool:
         """Whether a clause at the end is said of what is asked for, not of the noun before it.
 
         So `what is on the table that is not red`, and by its number `the cups on it that are red`.
+        owned: it says whose a thing is, which what stands on another tells more often.
         """
         tags = self.out.tags
+        if self._last() == "AT_PLACE":
+            return True
         nouns = [t for t in tags if t.type == "NOUN"]
         if not any(t.type == "REL" for t in tags) or tags[-1].type != "NOUN":
             return False
@@ -153,7 +183,7 @@ class ClauseTagger(Cursor):
         if bare or anything:
             return not (plural and ground)
         agrees = (nouns[0].word.start in self.several) == plural
-        return len(nouns) > 1 and agrees and ground != plural
+        return len(nouns) > 1 and agrees and (owned or ground != plural)
 
     def _topic(self) -> bool:
         """Pass over what a thing is about or for: the book about cooking, the key to the shed."""

@@ -17,7 +17,11 @@ TIME_GAP = "<time>"
 """Stands where a spoken time was taken out: no phrase reaches across it."""
 DETERMINERS = words_of("a an the this that these those some any their his her its another no")
 OWNERS = {"my": "me", "our": "me", "your": "you"}
-OWNED = {"mine": "me", "ours": "me", "yours": "you", "me": "me", "us": "me", "you": "you"}
+OWNED = {
+    "mine": "me", "ours": "me", "yours": "you", "me": "me", "us": "me", "you": "you",
+    "hers": "her", "his": "him", "theirs": "them", "her": "her", "him": "him", "them": "them",
+}  # fmt: skip
+"""What stands alone for an owner, as it is kept; of her, who is not told of, "her" is kept."""
 PRONOUNS = words_of("it they them these those he him she")
 
 
@@ -52,6 +56,7 @@ class Cursor:
         self.superlatives = {w.text for w in self.words} & {"closest", "nearest", "closer"}
         self.owned = any(w.text.endswith("'s") for w in self.words)
         self.several: set[int] = set()
+        self.only = False
         self.i = 0
 
     # -- looking around ------------------------------------------------------------------------

@@ -89,9 +89,10 @@ class ObjectTerm:
     not_owner: str | None = None
 
     def __post_init__(self) -> None:
-        _one_of("bound", self.bound, BOUNDS)
-        if self.bound != "least" and self.quantity is None:
-            raise FormError(f"bound is {self.bound!r} of no quantity; say of how many")
+        if self.bound != "least":
+            _one_of("bound", self.bound, BOUNDS)
+            if self.quantity is None:
+                raise FormError(f"bound is {self.bound!r} of no quantity; say of how many")
         if not self.category:
             raise FormError("an object has an empty category; it must be a noun")
         if not self.word:

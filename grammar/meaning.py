@@ -52,6 +52,13 @@ class AtPlace:
 
 
 @dataclass(frozen=True, slots=True)
+class Outside:
+    """Not in a named place."""
+
+    name: str
+
+
+@dataclass(frozen=True, slots=True)
 class Here:
     """Somewhere, here, at home: no place that narrows anything."""
 
@@ -70,7 +77,7 @@ class Choice:
     options: tuple[Item, ...]
 
 
-Item: TypeAlias = "Related | AtPlace | Here | SideBySide | Choice"
+Item: TypeAlias = "Related | AtPlace | Outside | Here | SideBySide | Choice"
 
 
 @dataclass(frozen=True, slots=True)
@@ -139,7 +146,7 @@ def query(
     Raises MeaningError where the objects cannot stand in their relation, and for what never was.
     """
     ask = meaning.ask or "where"
-    objects, relation, place = _arranged(meaning)
+    objects, relation, place, outside = _arranged(meaning)
     if ask in _CHANGES and relation is not None and relation.kind == "together":
         raise MeaningError("it tells what moved or is missing, not together with what")
     if never and ask != "whether":
@@ -159,6 +166,7 @@ def query(
         time=time,
         select=chosen,
         negated=negated,
+        outside=outside,
     )
 
 
@@ -174,19 +182,20 @@ def form_of(
 
 def _arranged(
     meaning: Meaning,
-) -> tuple[tuple[ObjectTerm, ...], Relation | None, str | None]:
+) -> tuple[tuple[ObjectTerm, ...], Relation | None, str | None, bool]:
     """Lay objects and relations out: the first relation is the query's, later ones describe."""
     things = meaning.things
     terms = list(things.group.terms) if things.group else []
     relation: Relation | None = None
     place: str | None = None
+    outside = False
     figures = len(terms)
     for item in things.items:
         match item:
-            case AtPlace():
-                if place is not None and place != item.name:
+            case AtPlace() | Outside():
+                if place is not None and (place, outside) != (item.name, item == Outside(place)):
                     raise MeaningError("it names two places", state=False)
-                place = item.name
+                place, outside = item.name, isinstance(item, Outside)
             case SideBySide():
                 relation = relation or Relation(item.kind)
             case Here() | Choice():
@@ -203,7 +212,7 @@ def _arranged(
         terms = [THING]
     if relation is not None and not terms:
         raise MeaningError("a relation needs two things", state=False)
-    return tuple(terms), relation, place
+    return tuple(terms), relation, place, outside
 
 
 def _with_figure(terms: list[ObjectTerm], figures: int) -> tuple[list[ObjectTerm], int]:

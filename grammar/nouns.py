@@ -50,6 +50,14 @@ class Attribute:
     kind: str
 
 
+@dataclass(frozen=True, slots=True)
+class Whose:
+    """Whose a thing is said to be, as `ObjectTerm.owner` has it. isnt: it is not theirs."""
+
+    owner: str
+    isnt: bool = False
+
+
 Described: TypeAlias = tuple[Attribute | Noun, int, int]
 """What words[first:last] of a noun phrase are."""
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from grammar import numbers
 from grammar.clauses import ClauseTagger
 from grammar.closed import is_open, words_of
 from grammar.cursor import DETERMINERS, OWNED, OWNERS, TIME_GAP
@@ -31,8 +30,6 @@ ON_PLACES = frozenset(
     )
 )  # fmt: skip
 """What one is on, not in."""
-_LEAST = (("at", "least"), ("more", "than"), ("no", "fewer", "than"), ("no", "less", "than"))
-_DENYING = frozenset(("no", "not", "never"))
 _BEFORE_OWNER = words_of(
     "BE AUX SEE LEAVE FINDS DET REL AND OR _SHOW _FIND _SEEK _HOWMANY _WHERE _WHICH"
 ) | {""}
@@ -43,22 +40,6 @@ _LEADING = _PLACE_WORDS | DETERMINERS | frozenset(OWNERS)
 
 class NounTagger(ClauseTagger):
     """Reads what belongs to things."""
-
-    def _at_least(self) -> bool:
-        """Take `at least two`, `more than two` before a noun as how many there must be."""
-        if self._text(self.i) not in ("at", "more", "no"):
-            return False
-        here = [self._text(self.i + k) for k in range(3)]
-        said = next((s for s in _LEAST if here[: len(s)] == [*s]), ())
-        if not said or self._text(self.i - 1) in _DENYING:
-            return False
-        k = self.i + len(said)
-        number = numbers.cardinal([w.text for w in self.words[k : k + 2]], 0)
-        least = number[0] + (said[0] == "more") if number is not None else 0
-        if number is None or least < 2 or not self._open_at(k + number[1]):
-            return False
-        self._emit("NUMBER", least, len(said) + number[1])
-        return True
 
     def _or(self) -> bool:
         """In the kitchen or the hall: a place after `or` needs no preposition of its own."""
@@ -83,6 +64,8 @@ class NounTagger(ClauseTagger):
         preposition = self._text(k)
         if self._last() == "AUX" and self._place_has():
             return True
+        if preposition == "outside" and self._outside():
+            return True
         if preposition in BARE_PLACES and not self._open_at(k + 1):
             self._emit("AT_PLACE", preposition, 1)
             return True
@@ -102,8 +85,21 @@ class NounTagger(ClauseTagger):
         place, end = self._place_at(k)
         if not place or (preposition == "on" and place not in ON_PLACES):
             return False
-        self._emit("AT_PLACE", place, end - self.i)
+        denied = self._last() == "THAT_NOT"  # that is not in the kitchen
+        if denied:
+            self.out.tags.pop()
+        self._emit("NOT_AT_PLACE" if denied else "AT_PLACE", place, end - self.i)
         return True
+
+    def _outside(self) -> bool:
+        """Read outside the kitchen, outside of it, as not in it."""
+        k = self.i + 1 + (self._text(self.i + 1) == "of")
+        while self._text(k) in DETERMINERS or self._text(k) in OWNERS:
+            k += 1
+        place, end = self._place_at(k)
+        if place:
+            self._emit("NOT_AT_PLACE", place, end - self.i)
+        return bool(place)
 
     def _place_has(self) -> bool:
         """Read does the kitchen have an island, how many windows does the hall have."""
@@ -135,7 +131,8 @@ class NounTagger(ClauseTagger):
     def _negation(self) -> bool:
         """Lift `not` out, unless it denies a word of a noun phrase."""
         text = self._text(self.i)
-        if text == "not" and self._last() == "AND" and self._relation_at(self.i + 1):
+        joined = self._last() == "AND" or self._describes()
+        if text == "not" and joined and place_follows(self.words, self.i + 1):
             self._emit("THAT_NOT", 0, 1)  # on the table and not near the lamp
             return True
         if text == "not":
@@ -155,9 +152,19 @@ class NounTagger(ClauseTagger):
             self.i += 2 if text == "no" else 1
         return True
 
+    def _describes(self) -> bool:
+        """Whether `not` here denies where a thing is: did you see a cup not on the table."""
+        kinds = [t.type for t in self.out.tags]
+        asked = kinds[:1] == ["AUX"] and kinds[-2:-1] != ["BE"] and "SEE" in kinds
+        return self._last() in ("NOUN", "ONE") and (asked or kinds[:2] == ["BE", "THERE"])
+
     def _denial(self, k: int) -> bool:
         """Take `not` before a word of a noun phrase: not red, not the red one, not made of wood."""
         after_noun = self._last() in ("NOUN", "ONE", "COMMA", "ATTR", "AND", "")
+        belonging = self._text(k) == "belonging" and self._text(k + 1) == "to"
+        if after_noun and (belonging or self._is_theirs(k)):
+            self._emit("_THAT_IS_NOT", 0, 1)  # not belonging to anna, not mine
+            return belonging or self._belongs(k)
         if self._text(k) in DETERMINERS or self._text(k) in OWNERS:
             if after_noun and self._contrasted(k + 1):
                 self._emit("_EXCEPT", 0, 1)

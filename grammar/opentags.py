@@ -71,6 +71,8 @@ class OpenTagger(RelationTagger):
         if number is not None and (self._measured(*number) or self._numbered(number[1])):
             return True
         if number is not None:
+            if self.only:
+                self._emit("_EXACTLY", text, 0)
             self._emit("NUMBER", number[0], number[1])
             return True
         if self._side(text):

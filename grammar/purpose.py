@@ -11,7 +11,7 @@ from grammar.words import Word
 
 _NO_VERBS = words_of("left right the a an my your our his her their its this that me you be")
 _NO_PURPOSE = words_of(
-    "something anything place somewhere anywhere want need thing way spot belonging belongs "
+    "something anything place somewhere anywhere want need thing way spot belonging belongs belong "
     "belonged happen happened going able supposed used like next close adjacent attached "
     "opposite similar nearest closest"
 )

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from functools import lru_cache
 
-from grammar import numbers, speech
+from grammar import speech
 from grammar import timewords as tw
 from grammar.closed import is_open, words_of
 from grammar.cursor import DETERMINERS, OWNERS, PRONOUNS, TIME_GAP, Tagged
@@ -90,10 +90,6 @@ def refuse_early(
         raise _out(text, words[-1], "It knows no states of things", rest, lexicon)
     if _use_asked(texts) or _usable(texts) or _in_sight(texts):
         raise _out(text, words[0], "A memory of sightings gives no advice", rest, lexicon)
-    most = _at_most([w.text for w in rest])
-    if most is not None:
-        reason = "I look for a number of things or for at least as many; ask how many there are"
-        raise _out(text, rest[most], reason, rest, lexicon)
     for opening, excuses in _openings():
         if tuple(texts[: len(opening)]) != opening:
             continue
@@ -103,23 +99,6 @@ def refuse_early(
         raise _out(text, words[len(opening) - 1], _REASON, rest, lexicon)
 
 
-def _at_most(texts: list[str]) -> int | None:
-    """Return where a number of things is bounded from above: fewer than three cups."""
-    bounds = any(text in ("than", "most", "to", "maximum") for text in texts)
-    for i in range(len(texts) - 2 if bounds else 0):
-        said = next((s for s in _BOUNDS if texts[i : i + len(s)] == [*s]), ())
-        least = i > 0 and texts[i - 1] == "no"  # no fewer than
-        said = () if least else said
-        number = numbers.cardinal(texts, i + len(said)) if said and texts[i + len(said) :] else None
-        if number is not None and is_open("".join(texts[i + len(said) + number[1] :][:1])):
-            return i
-    return None
-
-
-_BOUNDS = (
-    ("no", "more", "than"), ("not", "more", "than"), ("fewer", "than"),
-    ("less", "than"), ("at", "most"), ("up", "to"), ("a", "maximum", "of"),
-)  # fmt: skip
 _ERASING = words_of("delete forget remove")
 _REASON = "A memory of sightings knows where and when things were seen, nothing else"
 

@@ -41,8 +41,9 @@ class Tagger(OpenTagger):
         """Tag every word; what nothing reads becomes UNKNOWN, which no rule takes."""
         while self.i < len(self.words):
             for step in (
-                self._joint_part, self._mark, self._clause, self._place, self._topic,
-                self._at_least, self._negation, self._part, self._noun_as_subject, self._owner,
+                self._joint_part, self._bounded, self._mark, self._clause, self._place, self._topic,
+                self._negation, self._part, self._owning,
+                self._noun_as_subject, self._owner,
                 self._phrase, self._plain,
             ):  # fmt: skip
                 if step():

@@ -5,9 +5,19 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Any
 
-from grammar.forms import ANYTHING, ObjectTerm, RelationKind
+from grammar.forms import ANYTHING, Bound, ObjectTerm, RelationKind
 from grammar.lalr import Token
-from grammar.meaning import AtPlace, Choice, Group, Here, Item, Related, SideBySide, Things
+from grammar.meaning import (
+    AtPlace,
+    Choice,
+    Group,
+    Here,
+    Item,
+    Outside,
+    Related,
+    SideBySide,
+    Things,
+)
 from grammar.nouns import Attribute, Noun, Pattern
 
 
@@ -19,6 +29,8 @@ class Change:
     without: tuple[str, ...] = ()
     owner: str | None = None
     quantity: int | None = None
+    bound: Bound = "least"
+    not_owner: str | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,6 +104,10 @@ class Terms:
         """item: AT_PLACE."""
         return AtPlace(str(token.value))
 
+    def outside(self, token: Token) -> Outside:
+        """item: NOT_AT_PLACE."""
+        return Outside(str(token.value))
+
     def here(self, _token: Token) -> Here:
         """item: HERE."""
         return Here()
@@ -116,7 +132,8 @@ class Terms:
             (str(w.value) for w in words if isinstance(w, Token) and w.type == "OWNER"), None
         )
         owners = [c.owner for c in changes if c.owner]
-        quantities = [c.quantity for c in changes if c.quantity is not None]
+        counted = next((c for c in changes if c.quantity is not None), None)
+        lacking = next((c.not_owner for c in changes if c.not_owner), None)
         base = noun.term or ObjectTerm(noun.category, noun.said)
         return ObjectTerm(
             category=base.category,
@@ -124,13 +141,23 @@ class Terms:
             attributes=(*base.attributes, *(a for c in changes for a in c.attributes)),
             without=(*base.without, *(a for c in changes for a in c.without)),
             owner=owners[0] if owners else owner or base.owner,
-            quantity=quantities[0] if quantities else base.quantity,
+            quantity=counted.quantity if counted else base.quantity,
             where=base.where,
+            bound=counted.bound if counted else base.bound,
+            not_owner=lacking or base.not_owner,
         )
 
     def quantity(self, token: Token) -> Change:
         """pre: NUMBER."""
         return Change(quantity=token.value)
+
+    def at_most(self, token: Token) -> Change:
+        """pre: _MOST NUMBER."""
+        return Change(quantity=token.value, bound="most")
+
+    def exactly(self, token: Token) -> Change:
+        """pre: _EXACTLY NUMBER."""
+        return Change(quantity=token.value, bound="exactly")
 
     def attribute(self, token: Token) -> Change:
         """pre: ATTR."""
@@ -171,8 +198,12 @@ class Terms:
         return Change(without=(noun.said,))
 
     def owned(self, token: Token) -> Change:
-        """post: OWNED."""
+        """post: _THAT_IS? OWNED."""
         return Change(owner=str(token.value))
+
+    def not_owned(self, *tokens: Token) -> Change:
+        """post: _THAT_IS_NOT OWNED | _EXCEPT OWNER ONE?."""
+        return Change(not_owner=str(tokens[0].value))
 
 
 def _part(tokens: tuple[Token, ...]) -> tuple[str, ...]:

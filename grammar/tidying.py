@@ -23,7 +23,7 @@ def _extraposed(tags: list[Tag]) -> list[Tag]:
     if not at:
         return tags
     end = at + 1
-    while end < len(tags) and tags[end].type == "ATTR":
+    while end < len(tags) and tags[end].type in ("ATTR", "OWNED"):
         end += 1
     clause, rest = tags[at:end], [*tags[:at], *tags[end:]]
     relation = next((i for i, t in enumerate(rest) if t.type == "REL"), len(rest))
@@ -124,6 +124,7 @@ def _joined_attributes(tags: list[Tag]) -> list[Tag]:
             ground = after in (
                 "REL",
                 "AT_PLACE",
+                "NOT_AT_PLACE",
                 "SIDE_BY_SIDE",
                 "THAT_NOT_REL",
                 "_WITH_PART",

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
-from grammar.forms import ANYTHING, ObjectTerm
+from grammar.forms import ANYTHING
 from grammar.lalr import Token
 from grammar.meaning import (
     THING,
@@ -19,7 +19,7 @@ from grammar.meaning import (
     SideBySide,
     Things,
 )
-from grammar.nouns import Attribute, Noun
+from grammar.nouns import Attribute, Noun, Whose
 from grammar.terms import Act, Aux, Change, Passive, Terms, items_of
 
 
@@ -53,17 +53,19 @@ def _described(things: Things, attributes: tuple[str, ...]) -> Things:
     """Return the things with `attributes` added to each object."""
     if things.group is None:
         return things
+    terms = tuple(replace(t, attributes=(*t.attributes, *attributes)) for t in things.group.terms)
+    return Things(Group(terms, things.group.choice), things.items)
+
+
+def _owned(words: tuple[Any, ...]) -> Things:
+    """Return the things among `words` as those whose they are said to be, or not to be."""
+    things = _things(words)
+    whose = next(w.value for w in words if isinstance(w, Token) and isinstance(w.value, Whose))
+    if things.group is None:
+        raise MeaningError("it names no thing", state=False)
     terms = tuple(
-        ObjectTerm(
-            t.category,
-            t.word,
-            (*t.attributes, *attributes),
-            t.without,
-            t.owner,
-            t.quantity,
-            t.where,
-        )
-        for t in things.group.terms
+        replace(term, not_owner=whose.owner) if whose.isnt else replace(term, owner=whose.owner)
+        for term in things.group.terms
     )
     return Things(Group(terms, things.group.choice), things.items)
 
@@ -180,6 +182,12 @@ class Meanings(Terms):
         """Rule whether: _WHETHER things aux tail."""
         return Meaning("whether", _things(words))
 
+    def whether_owned(self, *words: Any) -> Meaning:
+        """Rule whether: aux things IS_OWNED | aux POSSESSOR HAVE things."""
+        if any(isinstance(w, Token) and w.value in (Whose("me"), Whose("you")) for w in words):
+            raise MeaningError("it asks whose a thing is")  # what is said to be mine is taken so
+        return Meaning("whether", _owned(words))
+
     def whether_attribute(self, *words: Any) -> Meaning:
         """Rule whether: aux things PREDICATE+."""
         return Meaning("whether", _described(_things(words), _predicates(words)))
@@ -203,6 +211,10 @@ class Meanings(Terms):
         """Rule what: _WHAT tail aux PREDICATE+."""
         thing = replace(THING, attributes=_predicates(words))
         return Meaning("what", Things(Group((thing,)), items_of(words)))
+
+    def what_owned(self, *words: Any) -> Meaning:
+        """Rule what: _WHAT tail? aux IS_OWNED | _WHAT aux POSSESSOR HAVE tail?."""
+        return Meaning("what", _owned((Things(Group((THING,))), *words)))
 
     def what_ground(self, aux: Aux, things: Things, stranded: Token) -> Meaning:
         """Rule what: _WHAT aux things STRANDED. It asks where: on some thing."""
@@ -247,6 +259,10 @@ class Meanings(Terms):
         """Rule which: _WHICH things aux PREDICATE+."""
         return Meaning("what", _described(_things(words), _predicates(words)))
 
+    def which_owned(self, *words: Any) -> Meaning:
+        """Rule which: _WHICH things aux IS_OWNED | _WHICH things aux POSSESSOR HAVE tail?."""
+        return Meaning("what", _owned(words))
+
     def which_ground(self, ground: Things, _aux: Aux, things: Things, stranded: Token) -> Meaning:
         """Rule which: _WHICH things aux things STRANDED."""
         if ground.group is None:
@@ -279,6 +295,10 @@ class Meanings(Terms):
     def count_attribute(self, *words: Any) -> Meaning:
         """Rule count: _HOWMANY things aux PREDICATE+."""
         return Meaning("count", _described(_things(words), _predicates(words)))
+
+    def count_owned(self, *words: Any) -> Meaning:
+        """Rule count: _HOWMANY things aux IS_OWNED | _HOWMANY things aux POSSESSOR HAVE tail?."""
+        return Meaning("count", _owned(words))
 
     def count_with(self, things: Things, _aux: Aux, owner: Things, _have: Token) -> Meaning:
         """Rule count: _HOWMANY things aux things HAVE."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from grammar.cursor import Tag
 from grammar.nouns import Noun
-from grammar.nountags import NounTagger
+from grammar.ownertags import OwnerTagger
 from grammar.phrases import phrases, stands_at
 
 _APPEARING = frozenset(
@@ -14,7 +14,7 @@ _BEING = {"do": "present", "did": "past", "have": "past"}
 """The tense of a question in which a verb of position follows its auxiliary."""
 
 
-class VerbTagger(NounTagger):
+class VerbTagger(OwnerTagger):
     """Reads the verbs of a question by their neighbours."""
 
     def _acts(self, k: int) -> bool:

@@ -15,6 +15,7 @@ from d3a.plan import plan
 from grammar.forms import (
     RELATION_KINDS,
     Ask,
+    Bound,
     Form,
     FormalQuery,
     ObjectTerm,
@@ -173,6 +174,30 @@ def test_fewer_than_asked_for_is_a_no_that_tells_how_many(home: Home) -> None:
     assert run(home, whether(replace(CUP, quantity=3), negated=True)).status == "not_found"
     asked = replace(whether(replace(CUP, quantity=3)), ask="when")
     assert run(home, asked).status == "found"  # no yes or no is asked for
+
+
+@pytest.mark.parametrize(
+    ("bound", "number", "status", "least"),
+    [
+        ("most", 1, "not_found", 2),
+        ("most", 2, "found", 2),
+        ("exactly", 1, "not_found", 2),
+        ("exactly", 2, "found", 2),
+        ("exactly", 3, "not_found", 0),
+    ],
+)
+def test_another_number_than_asked_for_is_a_no(
+    home: Home, bound: Bound, number: int, status: str, least: int
+) -> None:
+    home.thing("mug", "cup", paint="blue")
+    home.seen("mug", 0, at=(9, 1, 1))
+    home.seen("cup", 0, at=(1, 1, 1))
+    home.met("mug", "cup", 0, 1)
+    answer = run(home, whether(replace(CUP, quantity=number, bound=bound)))
+    assert (answer.status, answer.count, answer.least) == (status, 2, least)
+    wooden = replace(CUP, quantity=number, bound=bound, attributes=("wooden",))
+    unjudged = run(home, whether(wooden))  # of two cups one may be wooden
+    assert unjudged.status == ("not_found" if number > 2 else "found")
 
 
 def test_nothing_moved_is_no_sighting_at_another_time(home: Home) -> None:

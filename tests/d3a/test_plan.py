@@ -29,9 +29,10 @@ from d3a.plan import (
     Rank,
     Relate,
     Unite,
+    numbers_unjudged,
     plan,
 )
-from grammar.forms import FormalQuery, ObjectTerm, Relation, TimeSlice, Where
+from grammar.forms import Ask, FormalQuery, ObjectTerm, Relation, TimeSlice, Where
 from tests.worlds.made import NOON
 
 CUP = ObjectTerm("cup", "mug", attributes=("pink",), owner="anna")
@@ -218,3 +219,46 @@ def test_plan_is_printable_as_data_and_as_lines() -> None:
     }
     assert steps.lines()[1] == "judge attributes x, attributes pink, doubts"
     assert len(steps.lines()) == len(steps.steps)
+
+
+@pytest.mark.parametrize(
+    ("ask", "negated", "outside", "kept_outside"),
+    [
+        ("whether", False, True, True),
+        ("whether", True, True, True),
+        ("whether", True, False, False),
+        ("what", True, False, True),
+        ("what", True, True, False),
+    ],
+)
+def test_a_place_where_it_must_not_be(
+    ask: Ask, negated: bool, outside: bool, kept_outside: bool
+) -> None:
+    query = FormalQuery("", "Q3", ask, (BOWL,), place="hall", negated=negated, outside=outside)
+    steps = plan(query).steps
+    assert FilterPlace("x", "hall", kept_outside) in steps
+    assert Cover(None if outside else "hall") in steps
+
+
+def test_whose_it_must_not_be_is_said_to_the_store() -> None:
+    step = plan(FormalQuery("", "Q1", "whether", (replace(BOWL, not_owner="anna"),))).steps[0]
+    assert isinstance(step, FindObjects)
+    assert step.not_owner == "anna"
+
+
+@pytest.mark.parametrize(
+    ("ask", "relation", "unjudged"),
+    [
+        ("whether", None, 0),
+        ("whether", Relation("on"), 1),
+        ("whether", Relation("together"), 2),
+        ("when", None, 1),
+        ("where", Relation("near"), 2),
+    ],
+)
+def test_bounded_numbers_are_judged_of_what_was_seen_alone(
+    ask: Ask, relation: Relation | None, unjudged: int
+) -> None:
+    term = replace(BOWL, quantity=2, bound="most")
+    objects = (term,) if relation is None else (term, replace(CUP, quantity=3, bound="exactly"))
+    assert len(numbers_unjudged(FormalQuery("", "Q1", ask, objects, relation))) == unjudged

@@ -91,11 +91,12 @@ def test_each_meaning_has_eight_sayings_and_there_are_sixty() -> None:
 
 def refusals() -> Iterator[Any]:
     """Yield a test case for each text that must be refused."""
-    record = tomllib.loads((CORPUS / "refused.toml").read_text(encoding="utf-8"))
-    now = datetime.fromisoformat(record["now"])
-    for refusal in record["refusal"]:
-        for said in refusal["says"]:
-            yield pytest.param(said, now, refusal["error"], id=said or "nothing")
+    for path in sorted(CORPUS.glob("*.toml")):
+        record = tomllib.loads(path.read_text(encoding="utf-8"))
+        for refusal in record.get("refusal", ()):
+            now = datetime.fromisoformat(record["now"])
+            for said in refusal["says"]:
+                yield pytest.param(said, now, refusal["error"], id=said or "nothing")
 
 
 @pytest.mark.parametrize(("said", "now", "kind"), list(refusals()))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from datetime import datetime
 
 import pytest
@@ -168,16 +169,39 @@ def test_the_least_number_that_must_be_there(text: str, quantity: int | None) ->
 
 
 @pytest.mark.parametrize(
-    "text",
+    ("text", "quantity", "bound"),
     [
-        "did you see fewer than three cups",
-        "are there at most two cups on the table",
-        "were there no more than 5 cups in the sink yesterday",
+        ("did you see two cups", 2, "least"),
+        ("did you see two or more cups", 2, "least"),
+        ("did you see two cups or more in the kitchen", 2, "least"),
+        ("did you see two cups at least", 2, "least"),
+        ("are there no fewer than three cups", 3, "least"),
+        ("did you see fewer than three cups", 2, "most"),
+        ("did you see less than two cups", 1, "most"),
+        ("are there at most two cups on the table", 2, "most"),
+        ("were there no more than 5 cups in the sink yesterday", 5, "most"),
+        ("are there not more than two cups in the hall", 2, "most"),
+        ("did you see up to three cups", 3, "most"),
+        ("did you see a maximum of three cups", 3, "most"),
+        ("did you see two or fewer red cups", 2, "most"),
+        ("did you see two cups at most", 2, "most"),
+        ("did you see exactly four cups?", 4, "exactly"),
+        ("did you see four cups exactly", 4, "exactly"),
+        ("did you see only one red cup", 1, "exactly"),
+        ("did you only see two cups yesterday", 2, "exactly"),
+        ("is there just one chair in the hall", 1, "exactly"),
+        ("was the bowl near precisely two cups", None, "least"),
     ],
 )
-def test_the_most_that_may_be_there_is_refused_with_what_to_ask(text: str) -> None:
-    with pytest.raises(QuestionError, match="ask how many there are"):
-        read(text)
+def test_how_a_number_is_meant(text: str, quantity: int | None, bound: str) -> None:
+    term = read(text).objects[0]
+    assert (term.quantity, term.bound) == (quantity, bound)
+
+
+def test_exactly_without_a_number_says_nothing() -> None:
+    assert read("where is the cup exactly") == replace(
+        read("where is the cup"), text="where is the cup exactly"
+    )
 
 
 def test_less_than_a_time_ago_is_no_number_of_things() -> None:

@@ -28,6 +28,8 @@ SAID = {
     "MOVED": "moved", "NOT_ATTR": "not red", "NOUN": "cup", "NUMBER": "two", "ONE": "one",
     "OR": "or", "OR_ITEM": "or", "AND_ITEM": "and", "OWNED": "of mine", "OWNER": "my",
     "PART": "handle", "PIED": "on", "PREDICATE": "red",
+    "IS_OWNED": "anna's", "POSSESSOR": "anna", "NOT_AT_PLACE": "that is not in the kitchen",
+    "_EXACTLY": "exactly", "_MOST": "at most",
     "STRANDED": "on", "REL": "next to", "SIDE_BY_SIDE": "together",
     "THAT_NOT_REL": "that is not on", "THERE": "there", "WHO": "you", "SEE": "see",
     "LEAVE": "leave", "FINDS": "find", "_BUT": "besides", "_EXCEPT": "but not", "_FIND": "find",

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from grammar.forms import (
     ANYTHING,
+    BOUNDS,
     FormalQuery,
     ObjectTerm,
     Relation,
@@ -99,15 +100,20 @@ def terms(draw: st.DrawFn, var: str, *, deep: bool = True) -> ObjectTerm:
     where = None
     if deep and draw(st.integers(0, 4)) == 0:
         where = Where(draw(st.sampled_from(("near", "on"))), draw(terms("x", deep=False)))
+    owner = draw(st.none() | st.sampled_from(("me", "anna")))
+    quantity = draw(st.none() | st.integers(1, 3)) if draw(st.integers(0, 4)) == 0 else None
+    denied = draw(st.sampled_from(("me", "anna"))) if draw(st.integers(0, 4)) == 0 else None
     return ObjectTerm(
         {"mug": "cup"}.get(word, word),
         word,
         tuple(draw(colours)),
         tuple(draw(colours)) if draw(st.integers(0, 4)) == 0 else (),
-        draw(st.none() | st.sampled_from(("me", "anna"))),
-        draw(st.none() | st.integers(1, 3)) if draw(st.integers(0, 4)) == 0 else None,
+        owner,
+        quantity,
         where,
         var,
+        "least" if quantity is None else draw(st.sampled_from(BOUNDS)),
+        None if owner else denied,
     )
 
 
@@ -117,6 +123,7 @@ def queries(draw: st.DrawFn) -> FormalQuery:
     relation = draw(st.none() | st.builds(Relation, st.sampled_from(RELATIONS), st.booleans()))
     number = 1 if relation is None else draw(st.integers(1, 3))  # cups together
     time = draw(st.none() | slices())
+    place = draw(st.none() | st.sampled_from((*ROOMS, "attic")))
     return FormalQuery(
         "drawn",
         "Q2" if relation else "Q3" if time else "Q1",
@@ -127,8 +134,9 @@ def queries(draw: st.DrawFn) -> FormalQuery:
         ),
         tuple(draw(terms(var)) for var in "xyz"[:number]),
         relation,
-        draw(st.none() | st.sampled_from((*ROOMS, "attic"))),
+        place,
         time,
         draw(st.sampled_from(("last", "first", "all", "usual"))),
         draw(st.booleans()) if draw(st.integers(0, 3)) == 0 else False,
+        place is not None and draw(st.integers(0, 3)) == 0,
     )
