@@ -38,6 +38,8 @@ from d3a.symmetric import added, minus
 from d3a.tier1 import Thing, things
 from d3a.tier3 import Stored
 
+NOTHING_SEEN = np.empty((0, 3)), np.empty((0, 6))
+"""The places of a frame without detections, and their noise."""
 EXPIRED = "never seen again where it should have been"
 
 
@@ -75,16 +77,18 @@ class TrackerPipeline:
         """Take a frame through the tiers."""
         self._now_ms = scene.ref.time_ms
         self._matcher.offset.predict(scene.ref.time_ms, scene.pose)
-        seen = self._recognise(scene) if scene.detections else []
+        found = things(scene.detections, self._parameters)
+        observed = Observed.of(found, self._is_histogram) if found else None
+        self._fetch(observed, scene)
+        seen = [] if observed is None else self._recognise(scene, found, observed)
         self._absence.watch(scene, seen, self._matcher.offset)
         for thing in self._recall.evict():
             self._absence.forget(thing)
 
-    def _recognise(self, scene: Scene) -> list[tuple[Known, Place]]:
+    def _recognise(
+        self, scene: Scene, found: list[Thing], observed: Observed
+    ) -> list[tuple[Known, Place]]:
         """Return what each thing of a frame is, and where; take in all that its views tell."""
-        found = things(scene.detections, self._parameters)
-        observed = Observed.of(found, self._is_histogram)
-        self._fetch(observed, scene)
         boxes = [thing.detection.box for thing in found]
         said = self._doubts.judge(scene, observed.places.T, boxes)
         matches = self._matcher.match(observed, scene.ref.time_ms, scene.pose)
@@ -116,9 +120,10 @@ class TrackerPipeline:
         self._meet(scene.ref, seen, found)
         return seen
 
-    def _fetch(self, observed: Observed, scene: Scene) -> None:
+    def _fetch(self, observed: Observed | None, scene: Scene) -> None:
+        """Bring back what a frame may show; an empty one what a person has changed."""
         shared = 0.0 if scene.pose is None else self._parameters.pose_sigma_m**2
-        around = observed.places.T, observed.noise.T
+        around = (observed.places.T, observed.noise.T) if observed is not None else NOTHING_SEEN
         back = self._recall.fetch(*around, shared, scene.ref.time_ms)
         self._doubtful.update(thing.number for thing in back if self._is_doubtful(thing))
 
