@@ -11,9 +11,11 @@ from collections.abc import Iterator
 from itertools import islice, zip_longest
 
 from grammar import scope, timespan
-from grammar.closed import words_of
+from grammar.closed import is_open, words_of
+from grammar.nountags import KIN
 from grammar.phrases import asks_at_start
 from grammar.sayings import AUXILIARIES, QUESTION_WORDS, sections
+from grammar.vocabulary import Lexicon
 from grammar.words import Word
 
 _MOST_TRIES = 4
@@ -37,13 +39,47 @@ _TAILS = words_of(
 )
 
 
-def without_asides(spoken: list[list[Word]]) -> Iterator[list[list[Word]]]:
+def without_asides(spoken: list[list[Word]], lexicon: Lexicon) -> Iterator[list[list[Word]]]:
     """Yield the sentences with what stands around a question cut off, the least cut first."""
-    cuts = [[*_questions_in(words), *_heads_of(words)] for words in spoken]
+    cuts = [
+        [*_called(words, lexicon), *_questions_in(words), *_heads_of(words), *_undescribed(words)]
+        for words in spoken
+    ]
     if any(cuts):
         tries = zip_longest(*([*kept] or [words] for kept, words in zip(cuts, spoken, strict=True)))
         for tried in islice(tries, _MOST_TRIES):
             yield [part or words for part, words in zip(tried, spoken, strict=True)]
+
+
+def _called(words: list[Word], lexicon: Lexicon) -> Iterator[list[Word]]:
+    """Yield the question before which somebody is called: mommy where is my doll."""
+    texts = [w.text for w in words]
+    if len(texts) < 4 or not is_open(texts[0]) or texts[0] in scope.commands():
+        return
+    person = texts[0] in KIN or texts[0] in lexicon.names
+    thing = lexicon.known_noun(texts[0]) or texts[0] in lexicon.places or _dated(texts[:1])
+    asked = texts[1] in QUESTION_WORDS and texts[2] in AUXILIARIES
+    if (person or not thing) and (asked or _asks(texts, 1)):
+        yield words[1:]
+
+
+def _undescribed(words: list[Word]) -> Iterator[list[Word]]:
+    """Yield the question without what its last thing is told by: the doll the kids play with."""
+    texts = [w.text for w in words]
+    for i in range(4, len(texts) - 2):
+        tail = texts[i:]
+        led = is_open(texts[i - 1]) and tail[0] in _TELLERS_OF and is_open(tail[1])
+        tells = any(_is_verb(t) for t in tail[2:])
+        if led and tells and texts[0] in QUESTION_WORDS and not _dated(tail):
+            yield words[:i]
+            return
+
+
+def _is_verb(text: str) -> bool:
+    return text.endswith("ed") or not scope.doings().isdisjoint((text, text.removesuffix("s")))
+
+
+_TELLERS_OF = words_of("the my our your his her their")
 
 
 def _questions_in(words: list[Word]) -> Iterator[list[Word]]:

@@ -70,7 +70,7 @@ def read(
         for said, slips in respelling.respelled(found, spelling.known(words), corrections):
             with suppress(QuestionError):
                 return meaning(reading, _plain(said, lex)), slips
-        for parts in asides.without_asides(_plain(found, lex)):
+        for parts in asides.without_asides(_plain(found, lex), lex):
             with suppress(QuestionError):
                 return meaning(reading, _opened(parts, lex)), corrections
         raise

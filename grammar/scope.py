@@ -233,12 +233,16 @@ def _predicated(found: FormalQuery, said: list[str], lexicon: Lexicon) -> bool:
 
 def _acted(term: ObjectTerm, lexicon: Lexicon) -> bool:
     """Whether a noun ends in a verb of doing, or starts with a name: `team won`, `anna come`."""
-    first, _, last = term.word.partition(" ")[0], "", term.word.rpartition(" ")[2]
-    if first == last or term.word in lexicon.nouns or last in lexicon.heads:
+    first, last = term.word.partition(" ")[0], term.word.rpartition(" ")[2]
+    if first in _WANTING:
+        return True
+    if term.word in lexicon.nouns or last in lexicon.heads:
         return False
-    return last in doings() or first in lexicon.names
+    return last in doings() or (first != last and first in lexicon.names)
 
 
+_WANTING = ("need", "needs", "want", "wants", "seem", "seems")
+"""Verbs that begin no noun: which rooms still need painting."""
 _NO_STATES = words_of("on off up down home set made free visible available safe good fine high low")
 """Words of state that may end a question of a place or of a thing's look."""
 _TIMES = frozenset((*tw.UNITS, *tw.PARTS, *tw.WEEKDAYS, *tw.MONTHS)) - tw.SHY

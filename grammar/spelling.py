@@ -54,6 +54,7 @@ def known(words: StoreWords) -> frozenset[str]:
     found.update(numbers.CARDINALS, numbers.ORDINALS, tw.UNITS, tw.MONTH_NUMBER)
     found.update(tw.WEEKDAY_NUMBER, tw.SEASONS, tw.HOLIDAYS, tw.FIXED_CLOCKS)
     found |= _words_in((*tw.PHRASES, *tw.HOLIDAYS, *phrases.spoken(), *scope.spoken()))
+    found |= _words_in(files.lines("ordinary.txt"))
     for section in files.sections("speech.txt").values():
         found |= _words_in(phrase.replace("|", " ") for phrase in section)
     return frozenset(found)

@@ -20,11 +20,14 @@ def without_stutters(words: list[Word], lexicon: Lexicon) -> list[Word]:
 
 
 def _without_dummy(words: list[Word]) -> list[Word]:
-    """Take out an `it` beside its thing: where it is my charger, is it there a knife."""
+    """Take out an `it` beside its thing: where it is my charger, where was it, the scarf."""
     texts = [w.text for w in words[:4]]
     being = ("is", "are", "was", "were")
     there = texts[1:3] == ["it", "there"] and texts[0] in being and texts[-1] in _SOME
     where = texts[:2] == ["where", "it"] and texts[2:3] != [] and texts[2] in being
+    told = texts[:3] in (["where", "is", "it"], ["where", "was", "it"]) and texts[-1] == ","
+    if told and len(words) > 5 and words[4].text in _LED:
+        return [*words[:2], *words[4:]]
     if there or (where and (texts[-1] in _LED or is_open(texts[-1])) and len(texts) == 4):
         return [words[0], *words[2:]]
     return words

@@ -190,7 +190,7 @@ PHRASES: dict[str, tuple[str, object]] = {
     "or so": ("LINK", "or so"),
     "or": ("_OR", 0),
     "ish": ("_ISH", 0),
-    "ago": ("_AGO", 0),
+    **dict.fromkeys(("ago", "ago today"), ("_AGO", 0)),
     "back": ("_AGO", 0),
     "earlier": ("_AGO", 0),
     "early": ("EDGE", "early"),

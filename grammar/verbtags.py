@@ -76,7 +76,8 @@ class VerbTagger(OwnerTagger):
         if self._has("AUX") and said in ("have", "had"):
             self.i += size
             return True
-        if terminal == "AUX_CAN" and said == "may" and self.out.tags:
+        doer = following in ("i", "we", "one", "you")
+        if terminal == "AUX_CAN" and said == "may" and self.out.tags and not doer:
             return False
         value = {"AUX_DO": "do", "AUX_DID": "did", "AUX_HAVE": "have", "AUX_CAN": "can"}[terminal]
         self._emit("AUX", value, size)

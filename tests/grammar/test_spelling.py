@@ -38,6 +38,13 @@ def test_a_slip_is_corrected_and_reported(said: str, slip: str, taken: str) -> N
     "noun",
     [
         "zorbulator",
+        "burger",
+        "clarinet",
+        "cola",
+        "packet",
+        "spotlight",
+        "slider",
+        "magnetic board",
         "trowel",
         "crate",
         "poncho",
