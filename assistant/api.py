@@ -19,11 +19,11 @@ from types import TracebackType
 from typing import Any, Literal
 
 from assistant import asking
-from assistant.tense import as_of_now
+from assistant.tense import planned
 from d3a.answer import Answer
 from d3a.facts import Facts
 from d3a.model import BadInput
-from d3a.plan import Plan, plan
+from d3a.plan import Plan
 from d3a.store import open_store
 from d3a.store.base import Keyframe, ObjectRecord, Store
 from grammar.errors import QuestionError
@@ -121,7 +121,7 @@ class Memory:
         Raises BadQuestion.
         """
         query = self.query(question, now=now)
-        return plan(as_of_now(query), parameters=Facts(self.store).parameters())
+        return planned(query, Facts(self.store).parameters())
 
     def explain(
         self, question: Question, *, now: Now = None, precision: str | None = None

@@ -18,14 +18,14 @@ from assistant.lexicon import VocabularyLexicon
 from assistant.own_words import as_heard
 from assistant.reply import sentence
 from assistant.spots import of_the_spot, on_a_spot, told_as_place, without_itself
-from assistant.tense import as_of_now
+from assistant.tense import planned
 from d3a.answer import Answer, Status
 from d3a.conclude import within
 from d3a.execute import execute
 from d3a.facts import Facts
 from d3a.model import BadInput, Json
 from d3a.parameters import Parameters
-from d3a.plan import Plan, Precision, plan
+from d3a.plan import Plan, Precision
 from d3a.store.base import FORGOTTEN, NativeQuery, Store, StoreError
 from grammar import StoreWords, parse, vocabulary
 from grammar.errors import OutOfScope, QuestionError
@@ -202,9 +202,8 @@ def ask_query(
         facts = facts or Facts(store)
         parameters = facts.parameters()
         query = on_a_spot(query, facts)
-        meant = as_of_now(query)
         answer = execute(
-            plan(meant, parameters=parameters, precision=rung),
+            planned(query, parameters, rung),
             store,
             VocabularyLexicon(),
             now=now,
@@ -269,7 +268,7 @@ def explain(
     query = read_question(store, text, now=now, facts=facts) if isinstance(text, str) else text
     parsed_ms = _ms_since(started)
     query, parameters = on_a_spot(query, facts), facts.parameters()
-    steps = plan(as_of_now(query), parameters=parameters, precision=rung)
+    steps = planned(query, parameters, rung)
     store.tracing(native.append)
     try:
         answer = execute(

@@ -51,6 +51,7 @@ from assistant.phrases import (
     where_words,
 )
 from assistant.refusals import looking_into, refusal_words
+from assistant.tense import chooses_a_sighting
 from assistant.usually import usual_words
 from assistant.wording import FAIRLY_SURE, NOT_SURE
 from d3a.answer import Answer, RankedKeyframe
@@ -255,8 +256,9 @@ def _the_thing(answer: Answer, query: FormalQuery) -> str:
 def _what(answer: Answer, query: FormalQuery, now: datetime) -> str:
     heads = heads_of(answer)
     somewhere = query.relation is not None or query.place is not None
-    if query.select == "first" or (query.select == "last" and not somewhere):
-        return _at_the_edge(answer, query, now)  # what was last somewhere is what is there
+    chosen = query.select == "first" or chooses_a_sighting(query)
+    if chosen or (query.select == "last" and not somewhere):
+        return _at_the_edge(answer, query, now)  # what is last somewhere is what is there
     sure = [k for k in heads if k.score >= NOT_SURE] or heads  # the rest stands in the table
     seen = {k.object_id: kind_of(k) for k in sure}
     if kinds_of_broad(answer, query):  # each has the looks that were asked of the broader word

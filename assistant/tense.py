@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from d3a.parameters import Parameters
+from d3a.plan import Plan, Precision, plan
 from grammar.forms import FormalQuery
 
 _IS = frozenset({"is", "are", "isn't", "aren't", "whats", "theres"})
@@ -12,6 +14,29 @@ _WAS = frozenset(
     {"was", "were", "wasn't", "weren't", "did", "didn't", "had", "has", "have", "hasn't", "haven't"}
     | {"been", "saw", "seen", "left", "put", "ever"}
 )
+
+
+_NOW = frozenset({"now", "currently", "presently"})
+
+
+def planned(query: FormalQuery, parameters: Parameters, precision: Precision | None = None) -> Plan:
+    """Return the plan of a question, by the tense of its words.
+
+    What is somewhere asks for what is there now, what was last seen there for a sighting.
+    """
+    return plan(
+        as_of_now(query),
+        parameters=parameters,
+        precision=precision,
+        sighting=chooses_a_sighting(query),
+    )
+
+
+def chooses_a_sighting(query: FormalQuery) -> bool:
+    """Whether `last` tells which sighting: what did you last see here, not what is here now."""
+    words = _words(query.text)
+    past = any(w in _WAS for w in words) and not any(w in _NOW for w in words)
+    return query.ask == "what" and query.select == "last" and past
 
 
 def as_of_now(query: FormalQuery) -> FormalQuery:
@@ -30,6 +55,10 @@ def as_of_now(query: FormalQuery) -> FormalQuery:
 
 def _is_present(text: str) -> bool:
     """Whether a verb of being stands in the present, and no other in the past."""
-    words = text.lower().replace("\u2019", "'").replace("?", " ").replace(",", " ").split()
+    words = _words(text)
     now = any(w in _IS or (w.endswith("'s") and w[:-2] in _ASKING) for w in words)
     return now and not any(w in _WAS for w in words)
+
+
+def _words(text: str) -> list[str]:
+    return text.lower().replace("\u2019", "'").replace("?", " ").replace(",", " ").split()

@@ -96,11 +96,16 @@ class Plan:
 
 
 def plan(
-    query: FormalQuery, *, parameters: Parameters = DEFAULT, precision: Precision | None = None
+    query: FormalQuery,
+    *,
+    parameters: Parameters = DEFAULT,
+    precision: Precision | None = None,
+    sighting: bool = False,
 ) -> Plan:
     """Return the plan of a query. Pure: equal queries give equal plans.
 
-    precision forces a rung of the matching ladder. parameters.profile "paper" answers “together”
+    precision forces a rung of the matching ladder. sighting: `last` chooses a sighting; else what
+    was last somewhere is what is there now. parameters.profile "paper" answers “together”
     as the paper does, by the union of what was found for each object; other relations are
     geometry in both profiles.
     """
@@ -128,7 +133,7 @@ def plan(
         united = (by_paper and not negated) if len(names) > 1 else not numbers_together(query)
         unite = Unite(query.relation.kind, names)
         steps.append(unite if united else _relate(query, names, negated))
-    present = _asks_for_the_present(query)
+    present = _asks_for_the_present(query) and not sighting
     if present:
         steps.append(KeepPresent(var))
     kept = [step for name in _on_their_own(query, names) for step in _keep_steps(query, name)]

@@ -262,3 +262,12 @@ def test_bounded_numbers_are_judged_of_what_was_seen_alone(
     term = replace(BOWL, quantity=2, bound="most")
     objects = (term,) if relation is None else (term, replace(CUP, quantity=3, bound="exactly"))
     assert len(numbers_unjudged(FormalQuery("", "Q1", ask, objects, relation))) == unjudged
+
+
+def test_what_was_last_seen_somewhere_need_not_be_there_now() -> None:
+    query = FormalQuery("", "Q3", "what", (BOWL,), place="hall", select="last")
+    kept, chosen = plan(query).steps, plan(query, sighting=True).steps
+    assert KeepPresent("x") in kept
+    assert Rank(("x",), "all", spread=True) in kept
+    assert KeepPresent("x") not in chosen
+    assert Rank(("x",), "last", spread=False) in chosen
