@@ -325,7 +325,7 @@ def _how_often(answer: Answer, query: FormalQuery, now: datetime) -> str:
 
 def _moved(answer: Answer, query: FormalQuery, now: datetime) -> str:
     """Return what was at another place when it was seen again; when it moved, nobody saw."""
-    once, anywhere = _each_once(answer), replace(query, place=None)
+    once, anywhere = _each_once(answer), replace(query, place=None, outside=False)
     sure = [k for k in once if k.score >= FAIRLY_SURE]
     told = []
     for keyframe in (sure or once)[:_LISTED]:

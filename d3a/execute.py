@@ -326,6 +326,6 @@ def _find_later_names(run: Run, step: FindLaterNames) -> None:
 def _cover(run: Run, step: Cover) -> None:
     region = run.region(step.place) if step.place is not None else None
     if region is None:
-        run.last_looked_ms = run.store.last_view_ms()
+        run.last_looked_ms = run.facts.last_view_ms()
     else:
         run.last_looked_ms = last_look(run.store.views(), region)

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import weakref
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from functools import lru_cache
 from operator import is_not
 from typing import Any, TypeVar
@@ -16,12 +16,13 @@ import numpy as np
 
 from d3a.attributes import Looks
 from d3a.colours import HISTOGRAM_SIZE, Palette, histograms, learn
-from d3a.kept import Kept
 from d3a.landmarks import Landmarks, is_hollow_word, is_landmark_word, landmarks
 from d3a.match import Candidate, Lexicon, candidates
 from d3a.moments import in_slice, joined
 from d3a.parameters import DEFAULT, PROFILES, Parameters
 from d3a.plan import FindObjects
+from d3a.revision import Revision
+from d3a.spots import Spots
 from d3a.store.base import (
     ObjectRecord,
     Region,
@@ -34,13 +35,6 @@ from d3a.store.base import (
 from d3a.store.newest import is_whole, newest_of
 from grammar.forms import RelationKind
 
-MOST_STAYS = 5_000
-"""So many stays are kept between questions at most."""
-MOST_OBJECTS = 50_000
-"""And so many records of objects, half a kilobyte each."""
-MOST_LOOKS = 25_000
-"""With their embeddings they are five times as large: 60 MB at most, and 15 MB for their pixels."""
-MOST_SIGHTINGS = 20_000
 FEW_SIGHTINGS = 500
 """Where no more was seen of what is asked for, it is read whole, and kept for the next question."""
 PALETTE_OBJECTS = 1_000
@@ -48,51 +42,11 @@ PALETTE_OBJECTS = 1_000
 FEW_OBJECTS = 2_000
 """In a home of so few objects, what is large is looked for under every category."""
 _Seen = TypeVar("_Seen", Sighting, StayRecord)
-_Asked = tuple[str, ...] | None
-_Meant = tuple[FindObjects, tuple[tuple[str, float], ...], float]
-_Counted = tuple[tuple[str, ...], int | None, int | None]
-_Candidates = tuple[list[ObjectRecord], list[Candidate]]
-_Pixels = tuple[Looks | None, bool]
-
-
-@dataclass(slots=True)
-class _Known:
-    """What was read of a store at one revision. crowded: it is not a home of few things."""
-
-    categories: list[tuple[str, int]] | None = None
-    names: list[TaughtName] | None = None
-    regions: list[Region] | None = None
-    palette: Palette | None = None
-    landmarks: Landmarks | None = None
-    meta: dict[str, Any] = field(default_factory=dict)
-    objects: Kept[_Asked, list[ObjectRecord]] = field(default_factory=lambda: Kept(MOST_OBJECTS))
-    seen: Kept[_Asked, list[ObjectRecord]] = field(default_factory=lambda: Kept(MOST_LOOKS))
-    meant: Kept[_Meant, _Candidates] = field(default_factory=lambda: Kept(MOST_OBJECTS))
-    looks: Kept[tuple[str, ...], _Pixels] = field(default_factory=lambda: Kept(MOST_LOOKS))
-    stays: Kept[str, list[StayRecord]] = field(default_factory=lambda: Kept(MOST_STAYS))
-    places: dict[StayKey, StayRecord] = field(default_factory=dict)
-    counts: Kept[_Counted, int] = field(default_factory=lambda: Kept(MOST_OBJECTS))
-    sightings: dict[str, list[Sighting]] = field(default_factory=dict)
-    kept: int = 0
-    crowded: bool = False
-
-    def room_for_places(self, number: int) -> dict[StayKey, StayRecord]:
-        """Return the stays kept one by one, none where so many more would be too many."""
-        if len(self.places) + number > MOST_STAYS:
-            self.places = {}  # whoever still reads the old ones has them
-        return self.places
-
-    def keeps(self, number: int) -> bool:
-        """Whether so many more sightings may be kept; counts them where they may."""
-        if self.kept + number > MOST_SIGHTINGS:
-            return False
-        self.kept += number
-        return True
 
 
 @lru_cache(maxsize=4)
-def _known(_store: weakref.ref[Store], _revision: tuple[int, int]) -> _Known:
-    return _Known()
+def _known(_store: weakref.ref[Store], _revision: tuple[int, int]) -> Revision:
+    return Revision()
 
 
 @lru_cache(maxsize=2)
@@ -128,7 +82,7 @@ class Facts:
     def __init__(self, store: Store) -> None:
         self.store = store
         revision = store.revision()
-        self._known = _known(weakref.ref(store), revision) if revision else _Known()
+        self._known = _known(weakref.ref(store), revision) if revision else Revision()
 
     def categories(self) -> list[str]:
         """Return the categories of the store, by name."""
@@ -155,6 +109,12 @@ class Facts:
         if self._known.regions is None:
             self._known.regions = self.store.regions()
         return self._known.regions
+
+    def last_view_ms(self) -> int | None:
+        """Return the time of the newest frame, None where there is none."""
+        if self._known.newest_ms is None:
+            self._known.newest_ms = self.store.last_view_ms()
+        return self._known.newest_ms
 
     def meta(self, key: str) -> Any | None:
         """Return a value that the store was given: zone, now, classes, parameters."""
@@ -293,7 +253,10 @@ class Facts:
         In the order of `joined`. A slice reads no more than itself, where the rest is not kept.
         """
         bounded = start_ms is not None or end_ms is not None
-        known = self._known.sightings
+        asked, known = tuple(ids), self._known.sightings
+        whole = None if bounded else self._known.joined.get(asked, None)
+        if whole is not None:
+            return whole.copy()
         if bounded and not self._knows_all(ids):
             last = None if end_ms is None else end_ms - 1
             read = self.store.sightings(object_ids=ids, start_ms=start_ms, end_ms=last)
@@ -304,6 +267,8 @@ class Facts:
         found = joined(s for part in parts for s in part if in_slice(s, start_ms, end_ms))
         if self._known.keeps(sum(map(len, fresh.values()))):
             known |= fresh
+        if not bounded:
+            self._known.joined.put(asked, found.copy(), len(found))
         return found
 
     def usual_grounds(self, kind: RelationKind, lexicon: Lexicon) -> frozenset[str]:
@@ -311,22 +276,9 @@ class Facts:
 
         There is room below furniture and in containers; things lie on what is large and stays.
         """
-        if kind == "under":
-            return frozenset(
-                category
-                for category in self.categories()
-                if "furniture" in lexicon.broader(lexicon.canonical(category))
-            )
-        if kind == "in":
-            return frozenset(c for c in self.categories() if is_hollow_word(c, lexicon))
-        if kind in ("on", "above"):
-            return frozenset(
-                category
-                for category in self.categories()
-                if is_landmark_word(category, lexicon)
-                and (kind == "on" or not is_hollow_word(category, lexicon))
-            )
-        return frozenset()
+        if kind not in self._known.usual:
+            self._known.usual[kind] = _usual_grounds(kind, self.categories(), lexicon)
+        return self._known.usual[kind]
 
     def landmarks(self, lexicon: Lexicon) -> Landmarks:
         """Return the large static things that places are told by."""
@@ -342,6 +294,13 @@ class Facts:
             found = landmarks(records, list(stays.values()), self.regions(), lexicon)
             self._known.landmarks = found
         return self._known.landmarks
+
+    def spots(self, landmarks: Landmarks | None, near_m: float) -> Spots:
+        """Return what tells where stays were, by these landmarks or by rooms alone."""
+        asked = (landmarks is not None, near_m)
+        if asked not in self._known.spots:
+            self._known.spots[asked] = Spots(self.regions(), landmarks, near_m)
+        return self._known.spots[asked]
 
     def palette(self) -> Palette:
         """Return what the boxes of the whole store hold together and show, for colours."""
@@ -361,9 +320,36 @@ class Facts:
 
         A store that was filled with another `together_m` is asked with the same.
         """
-        known = self.meta("parameters")
-        if not isinstance(known, dict):
-            return DEFAULT
-        base = PROFILES.get(str(known.get("profile")), DEFAULT)
-        fields = base.to_json().keys()
-        return base.with_changes(**{name: known[name] for name in fields if name in known})
+        if self._known.parameters is None:
+            self._known.parameters = _parameters(self.meta("parameters"))
+        return self._known.parameters
+
+
+def _parameters(known: Any) -> Parameters:
+    """Return the parameters that a store's meta has."""
+    if not isinstance(known, dict):
+        return DEFAULT
+    base = PROFILES.get(str(known.get("profile")), DEFAULT)
+    fields = base.to_json().keys()
+    return base.with_changes(**{name: known[name] for name in fields if name in known})
+
+
+def _usual_grounds(
+    kind: RelationKind, categories: Iterable[str], lexicon: Lexicon
+) -> frozenset[str]:
+    if kind == "under":
+        return frozenset(
+            category
+            for category in categories
+            if "furniture" in lexicon.broader(lexicon.canonical(category))
+        )
+    if kind == "in":
+        return frozenset(c for c in categories if is_hollow_word(c, lexicon))
+    if kind in ("on", "above"):
+        return frozenset(
+            category
+            for category in categories
+            if is_landmark_word(category, lexicon)
+            and (kind == "on" or not is_hollow_word(category, lexicon))
+        )
+    return frozenset()

@@ -19,11 +19,11 @@ from d3a.store.base import StayKey
 def pair_moments(related: Related, figure: Found, ground: Found) -> list[Moment]:
     """Return a moment a link whose relation is more likely than not."""
     out: list[Moment] = []
-    for link, p in zip(related.links, related.probability, strict=True):
+    for link, p in zip(related.links, related.probability.tolist(), strict=True):
         if p >= HOLDS:  # False for NaN
             a, b = link.seen()
             entries = (entry_of(figure, a), entry_of(ground, b))
-            out.append(Moment(entries, *ordered(link), relation=float(p)))
+            out.append(Moment(entries, *ordered(link), relation=p))
     return out
 
 

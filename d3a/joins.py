@@ -118,15 +118,16 @@ def _oriented(encounter: Encounter, figures: Spans, grounds: Spans) -> list[Link
     first, second = (e.object_a, e.place_a), (e.object_b, e.place_b)
     start, end = e.start_ms, e.end_ms
     out: list[Link] = []
-    if _shown(figures, first, start, end) and _shown(grounds, second, start, end):
-        out.append(Link(first, second, start, end, e))
-    if _shown(figures, second, start, end) and _shown(grounds, first, start, end):
-        out.append(Link(second, first, start, end, e, flipped=True))
+    for one, other in ((first, second), (second, first)):
+        if one not in figures or other not in grounds:  # most are the one way round alone
+            continue
+        if _shown(figures[one], start, end) and _shown(grounds[other], start, end):
+            out.append(Link(one, other, start, end, e, flipped=one is second))
     return out
 
 
-def _shown(spans: Spans, stay: StayKey, start_ms: int, end_ms: int) -> bool:
-    for a, b in spans.get(stay, ()):  # noqa: SIM110  asked of every encounter, twice as quick
+def _shown(spans: Sequence[tuple[int, int]], start_ms: int, end_ms: int) -> bool:
+    for a, b in spans:  # noqa: SIM110  asked of every encounter, twice as quick
         if a <= end_ms and b >= start_ms:
             return True
     return False

@@ -82,16 +82,15 @@ class Landmarks:
         self,
         stays: Sequence[StayRecord],
         limit_m: float,
-        rooms: Sequence[Collection[str]],
+        rooms: Sequence[tuple[str, ...]],
         *,
-        not_ids: Collection[str] = (),
-        not_categories: Collection[str] = (),
+        without: Collection[int] = (),
     ) -> list[tuple[str, float] | None]:
         """Return category and distance of the nearest to each stay within the limit.
 
         rooms: the names of those that hold each stay. What is in other rooms alone is behind a
         wall, and on another site's map it is nowhere near. The first by id of those as near; never
-        the thing itself, nor what is ruled out.
+        the thing itself, nor what is in the rows that are ruled out.
         """
         found: list[tuple[str, float] | None] = [None] * len(stays)
         placed = [k for k, stay in enumerate(stays) if stay.position is not None]
@@ -99,11 +98,12 @@ class Landmarks:
             return found
         positions = np.array([stays[k].position for k in placed]).T  # (3, p)
         x, y, z = positions[:, :, None] - self._array[:, None]  # (p, n) each
-        apart = np.sqrt(x * x + y * y + z * z)
-        named = zip(self.ids, self.categories, strict=True)
-        apart[:, [i in not_ids or kind in not_categories for i, kind in named]] = np.inf
+        kinds: dict[tuple[str, tuple[str, ...]], int] = {}  # most stays are in a few rooms
+        of = [kinds.setdefault((stays[k].site, rooms[k]), len(kinds)) for k in placed]
+        reachable = np.stack([self._reachable(*kind) for kind in kinds])
+        reachable[:, [*without]] = False
+        apart = np.where(reachable[of], np.sqrt(x * x + y * y + z * z), np.inf)
         for row, k in enumerate(placed):
-            apart[row, ~self._reachable(stays[k].site, rooms[k])] = np.inf
             own = self._rows.get(stays[k].object_id)
             if own is not None:
                 apart[row, own] = np.inf

@@ -97,7 +97,8 @@ def _seen(encounter: Encounter, stay: StayKey, box: Box) -> Sighting:
 
 def ordered(link: Link) -> tuple[int, int]:
     """Return the interval of a link; what is timeless may have its ends the other way round."""
-    return min(link.start_ms, link.end_ms), max(link.start_ms, link.end_ms)
+    start, end = link.start_ms, link.end_ms
+    return (start, end) if start <= end else (end, start)
 
 
 def pairs_of(

@@ -137,10 +137,15 @@ def entry_parts(entry: Entry) -> Json:
 def _of_stay(entry: Entry) -> float:
     """Return the part of the worth that all sightings of one object at one place share."""
     candidate = entry.candidate
-    score = candidate.match * math.prod(candidate.attributes.values())
+    score = candidate.match
+    if candidate.attributes:  # most are asked without, and the other factors are 1
+        score *= math.prod(candidate.attributes.values())
     if _is_tentative(entry):
         score *= TENTATIVE
-    return score * min(candidate.same, 1.0) * min(entry.place, 1.0) * min(entry.held, 1.0)
+    for factor in (candidate.same, entry.place, entry.held):
+        if factor < 1.0:
+            score *= factor
+    return score
 
 
 def _detected(entry: Entry) -> float:

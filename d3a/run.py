@@ -6,17 +6,16 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from datetime import datetime
 from math import prod
-from typing import NamedTuple
 
 from d3a.answer import Reason, Status
 from d3a.facts import Facts
-from d3a.landmarks import FAR_M, Landmarks
+from d3a.landmarks import Landmarks
 from d3a.match import Candidate, Lexicon, squash
 from d3a.moments import Entry, Found, Moment, single
 from d3a.parameters import Parameters
-from d3a.places import holders_of, sigma_of, smallest
 from d3a.plan import FilterPlace, FindObjects, Rank, Relate, Step, Unite
 from d3a.rank import Ranked
+from d3a.spots import RuledOut, Spot
 from d3a.store.base import ObjectRecord, Region, Sighting, StayKey, StayRecord, Store
 from grammar.forms import ANYTHING, FormalQuery, ObjectTerm
 
@@ -29,15 +28,6 @@ _WORDS = {
     "same_place": "in the same place as",
     "together": "with",
 }
-
-
-class Spot(NamedTuple):
-    """Where a stay was, in words: see the fields of `d3a.answer.RankedKeyframe`."""
-
-    place: str | None = None
-    near: str | None = None
-    vague: str | None = None
-    beyond: tuple[str, float] | None = None
 
 
 @dataclass(slots=True)
@@ -208,52 +198,32 @@ class Run:
 
     def find_spots(self, entries: Sequence[Entry]) -> None:
         """Work out where entries were, all at once."""
-        fresh: dict[str, dict[StayKey, StayRecord]] = {}
+        spots = self.facts.spots(self.landmarks, self.parameters.near_m)
+        ruled_out: dict[str, RuledOut] = {}
+        fresh: dict[RuledOut, list[StayRecord]] = {}
         for entry in entries:
             if entry.stay is not None and entry.stay.key not in self._spots:
-                own = self.lexicon.canonical(entry.candidate.record.category)
-                fresh.setdefault(own, {})[entry.stay.key] = entry.stay
-        regions = self.facts.regions()
-        for own, stays in fresh.items():
-            held = holders_of(regions, [(stay.position, stay.site) for stay in stays.values()])
-            near = self._near(own, [*stays.values()], held)
-            for stay, rooms, landmark in zip(stays.values(), held, near, strict=True):
-                self._spots[stay.key] = self._spot(stay, smallest(rooms), landmark)
+                own = entry.candidate.record.category
+                if own not in ruled_out:
+                    ruled_out[own] = spots.ruled_out(*self._never_landmarks(own))
+                fresh.setdefault(ruled_out[own], []).append(entry.stay)
+        for without, stays in fresh.items():
+            self._spots |= spots.tell(stays, without)
 
-    def _spot(self, stay: StayRecord, room: str | None, landmark: tuple[str, float] | None) -> Spot:
-        if landmark is None:
-            return Spot(room)
-        reach, sigma = self.parameters.near_m, sigma_of(stay)
-        if sigma > reach:
-            return Spot(room, vague=landmark[0] if landmark[1] <= sigma else None)
-        near = landmark[1] <= reach
-        return Spot(room, near=landmark[0]) if near else Spot(room, beyond=landmark)
+    def _never_landmarks(self, own: str) -> tuple[frozenset[str], frozenset[str]]:
+        """Return the ids and the categories that tell no place of a thing of a category.
 
-    def _near(
-        self, own: str, stays: Sequence[StayRecord], held: Sequence[Sequence[Region]]
-    ) -> list[tuple[str, float] | None]:
-        """Return the landmarks that stays are told by, as a person spells them, and how far.
-
-        Never the thing itself, nor what it may be confused with: what else the question may
-        mean, or is called the same. own: the category of all of the things. held: the rooms that
-        hold each.
+        Never the thing itself, nor what it may be confused with: what else the figures of the
+        question may be, or what is called as they or as the thing.
         """
-        if self.landmarks is None:
-            return [None] * len(stays)
-        ids, kinds = self._never_landmarks()
-        rooms = [[room.name for room in each] for each in held]
-        named = {*kinds, own}
-        return self.landmarks.nearest(stays, FAR_M, rooms, not_ids=ids, not_categories=named)
-
-    def _never_landmarks(self) -> tuple[frozenset[str], frozenset[str]]:
-        """Return the ids and the categories that the figures of the question may be."""
         if self._not_landmarks is None:
             alone = self.query.objects if self.query.relation is None else self.query.objects[:1]
             figures = [term for term in alone if term.category != ANYTHING]
-            ids = {name for term in figures for name in self.found[term.var].candidates}
-            kinds = {self.lexicon.canonical(term.category) for term in figures}
-            self._not_landmarks = frozenset(ids), frozenset(kinds)
-        return self._not_landmarks
+            confused = {name for term in figures for name in self.found[term.var].candidates}
+            called = {self.lexicon.canonical(term.category) for term in figures}
+            self._not_landmarks = frozenset(confused), frozenset(called)
+        ids, kinds = self._not_landmarks
+        return ids, kinds | {self.lexicon.canonical(own)}
 
 
 def milliseconds(moment: datetime | None) -> int | None:

@@ -28,6 +28,7 @@ from numpy.typing import NDArray
 from d3a.colours.names import BASIC, Floats, is_metal, rest_of
 from d3a.colours.pixels import AMONG_MANY, MOST_VIEWS, Learned, Palette, Pixels, times_seen
 from d3a.colours.terms import looks_like, rest_looks_like, terms
+from d3a.kept import Kept
 
 _LOOKS = 8.0
 """Independent looks in one box: neighbouring pixels agree, so a box is not 10,000 witnesses."""
@@ -54,6 +55,8 @@ BY_THE_STORE = Weights(1.9, 1.3, 0.46, 0.2)
 """For the basic terms, whose looks are learned: they explain a box better."""
 _ROUNDS = 2
 """Of learning: later ones change the second digit of few."""
+MOST_TOLD = 16
+"""So many colours are judged at most before the first is judged anew: 9 bytes an object each."""
 _LEAST_SHARE = 0.03
 """A share below this is noise."""
 _HUELESS = frozenset({"black", "white", "grey"})
@@ -92,6 +95,10 @@ class Appearances:
         return cls(Pixels.of(embeddings, palette), known)
 
     @cached_property
+    def _told(self) -> Kept[tuple[str, ...], Verdict]:
+        return Kept(MOST_TOLD)
+
+    @cached_property
     def chances(self) -> Floats:
         """How likely each object is of each of the eleven basic terms: (n, 11), rows sum to 1."""
         palette, alone = self.pixels.palette, np.zeros((self.pixels.count, len(BASIC)))
@@ -122,7 +129,11 @@ class Appearances:
         """
         word = colours[0].replace("gray", "grey")
         if len(colours) > 1 or word not in BASIC:
-            return self._by_the_lists(colours)
+            told = self._told.get(tuple(colours), None)
+            if told is None:
+                told = self._by_the_lists(colours)
+                self._told.put(tuple(colours), told, 1)
+            return told
         asked = self.chances[:, BASIC.index(word)]
         return Verdict(probability=asked, tenable=asked >= LEAST_ODDS * (1 - asked))
 

@@ -146,6 +146,7 @@ def colours_of(colour: str) -> Floats | None:
     return None
 
 
+@lru_cache(maxsize=64)
 def rest_of(colour: str) -> tuple[str, Floats] | None:
     """Return the basic term that a colour is a kind of, and what else that term stands for.
 

@@ -155,6 +155,7 @@ def test_looks_that_were_read_for_another_colour_tell_the_same(asked: list[str])
     told, anew = kept.judge(asked), judge(asked, matrix, palette, views)
     assert told.probability.tolist() == anew.probability.tolist()
     assert told.tenable.tolist() == anew.tenable.tolist()
+    assert kept.judge(asked).probability.tolist() == anew.probability.tolist()  # and once more
 
 
 def test_what_is_judged_does_not_depend_on_what_else_is() -> None:

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from d3a import facts as facts_module
+from d3a import revision
 from d3a.attributes import Looks
 from d3a.facts import Facts
 from d3a.match import Candidate
@@ -41,6 +42,8 @@ def read_all(store: Store) -> None:
     facts.stays(["cup", "desk"])
     facts.palette()
     facts.landmarks(Words())
+    facts.last_view_ms()
+    facts.usual_grounds("on", Words())
 
 
 def test_a_store_is_read_once_until_somebody_writes(tmp_path: Path) -> None:
@@ -57,6 +60,15 @@ def test_a_store_is_read_once_until_somebody_writes(tmp_path: Path) -> None:
         writer.apply(Batch(regions=[Region("attic", ROOM)]))
         assert [region.name for region in Facts(store).regions()] == ["attic"]
         assert told
+
+
+def test_what_is_kept_is_not_what_a_question_changes(tmp_path: Path) -> None:
+    with closing(open_store(str(tmp_path / "home.db"))) as store:
+        home().into(store)
+        whole = Facts(store).sightings(["cup"], None, None)
+        Facts(store).sightings(["cup"], None, None).clear()
+        assert Facts(store).sightings(["cup"], None, None) == whole
+        assert [s.place for s in whole] == [0, 1]
 
 
 def test_what_a_noun_means_and_how_it_looks_is_worked_out_once(tmp_path: Path) -> None:
@@ -138,8 +150,8 @@ def test_a_slice_is_the_same_whether_the_rest_is_known(
 
 
 def test_more_than_may_be_kept_is_read_each_time(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(facts_module, "MOST_STAYS", 1)
-    monkeypatch.setattr(facts_module, "MOST_SIGHTINGS", 1)
+    monkeypatch.setattr(revision, "MOST_STAYS", 1)
+    monkeypatch.setattr(revision, "MOST_SIGHTINGS", 1)
     store = home().into(OracleStore())
     facts = Facts(store)
     for _ in range(2):
@@ -151,7 +163,7 @@ def test_more_than_may_be_kept_is_read_each_time(monkeypatch: pytest.MonkeyPatch
 def test_a_question_of_everything_keeps_no_room_from_the_next(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(facts_module, "MOST_OBJECTS", 2)
+    monkeypatch.setattr(revision, "MOST_OBJECTS", 2)
     with closing(open_store(str(tmp_path / "home.db"))) as store:
         facts = Facts(home().into(store))
         assert len(facts.objects(None, embeddings=False)) == 2

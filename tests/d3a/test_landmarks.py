@@ -57,7 +57,9 @@ def test_the_nearest_landmark_is_the_one_found_one_by_one(many: int) -> None:
     stays += [stay("x", None), stay("y", (1e9, 0.0, 0.0))]
     rooms = [draw.choice((*ROOMS, ("cellar",))) for _ in stays]
     for not_ids, not_kinds in ((set(), set()), ({"o1", "o7"}, {"bed"}), (set(), {*kinds})):
-        found = landmarks.nearest(stays, 3.0, rooms, not_ids=not_ids, not_categories=not_kinds)
+        named = zip(landmarks.ids, landmarks.categories, strict=True)
+        without = [k for k, (i, kind) in enumerate(named) if i in not_ids or kind in not_kinds]
+        found = landmarks.nearest(stays, 3.0, rooms, without=without)
         assert found == [
             one_by_one(landmarks, s, 3.0, held, not_ids, not_kinds)
             for s, held in zip(stays, rooms, strict=True)
