@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from datetime import datetime
 
-from assistant.english import article, counted
+from assistant.english import article, counted, sentence_case
 from assistant.own_words import said_back
 from assistant.phrases import kind_of
 from assistant.pointing import NOTHING_SHOWN, find_row, same_place
@@ -33,6 +33,7 @@ from d3a.model import BadInput, Box
 from d3a.store.base import Store
 from d3a.taught_looks import teach_look
 from grammar import vocabulary
+from grammar.nountags import KIN
 from grammar.vocabulary import lexicon
 
 ROOM_M, SPOT_M = 2.0, 1.0
@@ -120,9 +121,9 @@ def _name(store: Store, said: Naming, scene: Scene, now: datetime) -> Learned | 
             store, row.object_id, word, owner, at_ms=_ms(now), heard=said.heard
         )
         return Learned(f"I no longer take {thing} for “{heard}”; {BACK}.")
-    if not said.sure and _looks_otherwise(said.said, word, row, store):
-        looks = f"That looks like {article(kind_of(row))}."
-        ask_ = f"{looks} Shall I remember it as “{heard}” all the same?"
+    doubt = "" if said.sure else _doubt(said.said, word, owner, row, store)
+    if doubt:
+        ask_ = f"{doubt} Shall I remember it as “{heard}” all the same?"
         which = "it" if said.row is None else f"number {row.rank}"
         sure = f"Call {which} {said.heard} all the same"
         return Learned(ask_, done=False, choices=(sure,))
@@ -148,6 +149,20 @@ def _deny(
     if done.number == 0:
         return Learned(f"I do not take {heard} already.", refused=row)
     return Learned(f"I will not take {heard} any more; {BACK}.", refused=row)
+
+
+def _doubt(said: str, word: str, owner: str | None, row: RankedKeyframe, store: Store) -> str:
+    """Return why a name is hardly meant for this thing; "" where it may well be."""
+    if owner is None and _is_somebody(word.lower(), store):
+        return f"{sentence_case(word)} is somebody whose things may be asked for."
+    if _looks_otherwise(said, word, row, store):
+        return f"That looks like {article(kind_of(row))}."
+    return ""
+
+
+def _is_somebody(word: str, store: Store) -> bool:
+    """Whether a word is kin, or a person whose things were taught; any other name may be given."""
+    return word in KIN or any(name.owner == word for name in store.names())
 
 
 def _looks_otherwise(said: str, word: str, row: RankedKeyframe, store: Store) -> bool:

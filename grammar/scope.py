@@ -220,7 +220,8 @@ def refuse_late(text: str, found: FormalQuery, rest: list[Word], lexicon: Lexico
         raise _out(text, rest[-1], "It knows no plan of the building", rest, lexicon)
     if first is not None and _attending(found, rest):
         raise _out(text, rest[0], "It remembers things, not the doings of people", rest, lexicon)
-    if first is not None and (first.category in lexicon.names or first.category in KIN):
+    person = first is not None and (first.category in lexicon.names or first.category in KIN)
+    if first is not None and person and first.category not in lexicon.taught:
         raise _out(text, rest[-1], "It remembers things, not the doings of people", rest, lexicon)
 
 

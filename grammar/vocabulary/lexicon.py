@@ -36,6 +36,7 @@ class Lexicon:
 
     nouns: singular noun -> category. broader: category -> wider words. attributes: word -> kind.
     places: phrase -> place, spelled as the store does where it has it. relations: phrase -> kind.
+    names: of people. taught: what things of the store are called, be it a first name.
     words: every word that a noun is made of.
     """
 
@@ -50,6 +51,7 @@ class Lexicon:
     places: dict[str, str]
     relations: dict[str, RelationKind]
     names: frozenset[str]
+    taught: frozenset[str]
     glued: dict[str, str] = field(repr=False)
     heads: frozenset[str] = field(repr=False)
     words: frozenset[str] = field(repr=False)
@@ -198,6 +200,10 @@ def _nouns(plurals: dict[str, str]) -> tuple[dict[str, str], dict[str, tuple[str
 def lexicon(words: StoreWords = StoreWords()) -> Lexicon:  # frozen and empty
     """Return the lexicon with a store's words added; one object for equal words."""
     plurals, listed, broader = _listed()
+    names = {name for line in files.lines("names.txt") for name in line.split()}
+    plurals = plurals | {name: name for name in names if name.endswith("s")}  # james is one
+    taught = {inflection.singular(word.lower(), plurals) for word, _ in words.names}
+    names -= taught  # a thing that is called Tim is no person
     nouns = dict(listed)  # a store's words are added to it
     glued = {noun.replace(" ", ""): noun for noun in nouns if " " in noun}
     for name in [*words.categories, *(word for word, _ in words.names)]:
@@ -205,7 +211,6 @@ def lexicon(words: StoreWords = StoreWords()) -> Lexicon:  # frozen and empty
         nouns.setdefault(one, nouns.get(glued.get(one, one), one))
     described = files.sections("attributes.txt")
     kinds, shades, patterns, parts = _attribute_files(described)
-    names = {name for line in files.lines("names.txt") for name in line.split()}
     names |= {owner.lower() for _, owner in words.names if owner and owner not in ("me", "you")}
     return Lexicon(
         nouns=nouns,
@@ -219,6 +224,7 @@ def lexicon(words: StoreWords = StoreWords()) -> Lexicon:  # frozen and empty
         places=_places(words.places),
         relations=_relations(),
         names=frozenset(names),
+        taught=frozenset(taught),
         glued=glued,
         heads=frozenset(noun.rpartition(" ")[2] for noun in nouns),
         words=frozenset(word for noun in nouns for word in noun.split()),
