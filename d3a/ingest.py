@@ -18,6 +18,7 @@ from d3a.embedders.base import Embedder, HistogramEmbedder
 from d3a.images import HISTOGRAM_MODEL
 from d3a.intake import EVERYTHING, Intake, agree, check_known, placed
 from d3a.jobs import ONE, Jobs, in_jobs
+from d3a.lacking import Lacking
 from d3a.live import WHOLE, Live, Pulse
 from d3a.model import BadInput, Frame
 from d3a.parameters import Parameters
@@ -35,12 +36,8 @@ Note = Callable[[str], None]
 """Told, in a sentence, what a person may have overlooked."""
 PICTURES_A_CHECKPOINT = 16
 """So many are searched for taught things when a growing recording is written; the rest later."""
-UNPLACED_FRAMES = 50
-"""After so many frames without any pose a person is told, and needs not wait for the end."""
-UNPLACED = (
-    "no frame has a pose, so nothing is placed on the map: ask what and when, and see where in the "
-    "pictures"
-)
+NOTED_FRAMES = 50
+"""After so many frames a person is told what they all lack, and needs not wait for the end."""
 
 
 class NothingYet(BadInput):
@@ -96,7 +93,7 @@ def ingest(
     of each detection, a JSON object a line. intake: what of it goes in; a recording that was taken
     in otherwise before is refused.
     live: for a reader that follows a recording as it grows. jobs: where scenes are made; the store
-    is the same. on_note: told where no frame has a pose.
+    is the same. on_note: told what no frame has: poses, looks.
     Raises BadInput for a recording without frames or detections, StoreError where the store fails
     or was filled with other parameters, StoreBusy where another ingest fills it.
     """
@@ -124,7 +121,7 @@ class _Run:
     ) -> None:
         self._live = live
         self._on_note = on_note
-        self._is_placed = False  # whether any frame had a pose, or any detection a position
+        self._lacking = Lacking()
         self._jobs = jobs
         self._left_out: Skipped | None = None  # by the reader, up to the frame that is taken
         self._reader = reader
@@ -165,8 +162,7 @@ class _Run:
             with closing(self._readied(self._sifted(frames, associator))) as readied:
                 stopped = self._take_all(readied, associator, log, on_progress, max_frames)
             self._left_out = None
-            if self._frames < UNPLACED_FRAMES:
-                self._note_unplaced()
+            self._note_lacking()
             if not stopped and (self._frames > 0 or not had.done):
                 if associator.has_news():
                     self._checkpoint(associator, log)
@@ -280,9 +276,10 @@ class _Run:
                 return
             yield following[0]
 
-    def _note_unplaced(self) -> None:
-        if self._frames > 0 and not self._is_placed and self._on_note is not None:
-            self._on_note(UNPLACED)
+    def _note_lacking(self) -> None:
+        for sentence in self._lacking.say():
+            if self._on_note is not None:
+                self._on_note(sentence)
 
     def _check_seen(self, first: Frame) -> None:
         """Refuse a recording in which nothing was looked for, before anything is stored."""
@@ -326,12 +323,11 @@ class _Run:
         log.left_out(sifted.frame.name, prepared.left_out)
         log.events(associator.take_events())
         scene = prepared.scene
-        self._is_placed |= scene.pose is not None
-        self._is_placed |= any(d.position is not None for d in scene.detections)
+        self._lacking.add(posed=scene.pose is not None, detections=scene.detections)
         self._frames += 1
         self._detections += len(scene.detections)
-        if self._frames == UNPLACED_FRAMES:
-            self._note_unplaced()
+        if self._frames == NOTED_FRAMES:
+            self._note_lacking()
 
     def _left_out_whole(self, frame: Frame, why: str) -> list[LeftOut]:
         """Return the recorded detections of a frame that is not taken in, if they are what counts.

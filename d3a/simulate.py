@@ -22,7 +22,16 @@ from d3a.simulation.patrol import Track, frames_in, idle_share, patrol, reported
 from d3a.simulation.sensor import Reports, expose, loose_solids, report
 from d3a.simulation.world import World, build
 
-__all__ = ["CONDITIONS", "NOMINAL", "Condition", "Simulated", "codes", "named", "simulate"]
+__all__ = [
+    "CONDITIONS",
+    "NOMINAL",
+    "Condition",
+    "Simulated",
+    "codes",
+    "is_whole",
+    "named",
+    "simulate",
+]
 
 
 @dataclass(frozen=True, slots=True)
@@ -112,7 +121,8 @@ def simulate(
     reports = _embedded(reports, chosen, world, streams)
     name, dim = writer.embedding_name(chosen, len(world.things))
     hours_name = f"{hours:g}".replace(".", "p")
-    writer.write_facts(out, f"{writer.SIMULATED}{hours_name}h-{seed}-{chosen.name}", name, dim)
+    title = f"{writer.SIMULATED}{hours_name}h-{seed}-{chosen.name}"
+    writer.write_facts(out, title, name, dim, whole=False)
     writer.write_frames(out, believed, chosen, depth)
     writer.write_detections(out, reports, reports.embedding)
     if depth:
@@ -120,6 +130,7 @@ def simulate(
         writer.write_depth(out, track, fixed, loose, chosen.depth > 0, streams["depth image"])
     empty = truth.emptiness(world, track, loose)  # last: who finds a truth finds all of the world
     writer.write_truth(out, world, reports, empty, truth.relations(world))
+    writer.write_facts(out, title, name, dim, whole=True)
     return _summary(out, chosen, seed, hours, world, track, reports)
 
 
@@ -154,12 +165,23 @@ def _prepare(out: Path) -> None:
     out.mkdir(parents=True, exist_ok=True)
 
 
+def is_whole(folder: Path) -> bool:
+    """Whether a simulated recording is there to its end."""
+    facts = _facts(folder)
+    return (folder / "truth.jsonl").exists() and facts is not None and "unfinished" not in facts
+
+
 def _is_simulated(out: Path) -> bool:
+    facts = _facts(out)
+    return facts is not None and str(facts.get("recording")).startswith(writer.SIMULATED)
+
+
+def _facts(folder: Path) -> Json | None:
     try:
-        facts = json.loads((out / "recording.json").read_text(encoding="utf-8"))
+        facts = json.loads((folder / "recording.json").read_text(encoding="utf-8"))
     except (OSError, ValueError):  # what cannot be told is somebody's own
-        return False
-    return isinstance(facts, dict) and str(facts.get("recording")).startswith(writer.SIMULATED)
+        return None
+    return facts if isinstance(facts, dict) else None
 
 
 def _written(out: Path) -> Iterator[Path]:

@@ -383,10 +383,8 @@ class TrackerPipeline:
         self._matcher.space.scaled_at = record["scaled_at"]
         self._doubts.counts = np.array(arrays["doubts"])
         self._now_ms = record["now_ms"]
-        self._singles.once, self._singles.again = record.get("singles", (0.0, 0.0))
-        self._moves.others = {
-            kind: list(counts) for kind, counts in record.get("others", {}).items()
-        }
+        self._singles.once, self._singles.again = record["singles"]
+        self._moves.others = {kind: list(counts) for kind, counts in record["others"].items()}
         self._moves.compared = set(record["compared"])
         self._categories.doubt = (float(arrays["doubt"][0]), float(arrays["doubt"][1]))
         self._matcher.neighbours.pairs = arrays["neighbours"].tolist()

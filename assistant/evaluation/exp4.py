@@ -25,13 +25,15 @@ class Clusters:
     """What one method made of the detections that Non-spatial put under the object's id.
 
     rows (n,): detections; position (n, 3): as reported; owner (n,): the true object, -1 none;
-    cluster (n,): "id/place", "" where left out. objects: true objects in the object's own id.
+    shows (n,): its name, "" none; cluster (n,): "id/place", "" where left out. objects: true
+    objects in the object's own id.
     """
 
     method: Method
     target: str
     position: NDArray[np.float64]
     owner: NDArray[np.intp]
+    shows: tuple[str, ...]
     cluster: tuple[str, ...]
     objects: int
     ids: int
@@ -68,6 +70,7 @@ def run(world: World, work: Path, steps: Steps) -> list[Clusters]:
                     target=source.truth.objects[target].name,
                     position=source.truth.position[rows],
                     owner=source.truth.owner[rows],
+                    shows=tuple(_name(source.truth, row) for row in rows.tolist()),
                     cluster=tuple(_label(kept[row]) for row in rows),
                     objects=len(mixed),
                     ids=len(ids),
@@ -99,6 +102,11 @@ def _rows_beside(
     best = counts.most_common(1)[0][0] if counts else None
     beside = {row for row, stay in enumerate(kept) if stay is not None and stay[0] == best}
     return np.array(sorted(own | beside), dtype=np.intp)
+
+
+def _name(truth: Truth, row: int) -> str:
+    owner = int(truth.owner[row])
+    return truth.objects[owner].name if owner >= 0 else ""
 
 
 def _label(stay: tuple[str, int] | None) -> str:

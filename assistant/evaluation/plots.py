@@ -18,6 +18,8 @@ from assistant.evaluation.tables import by_method
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+_MARKERS = "os^vDPX*<>ph."
+"""A shape a true object, those with most detections first; the last is of all others."""
 COLOURS = ("#4477aa", "#ee6677", "#228833", "#ccbb44", "#66ccee", "#aa3377", "#888888")
 
 
@@ -118,25 +120,37 @@ def exp3(grown: Sequence[Growth]) -> str:
 def exp4(found: Sequence[Clusters]) -> str:
     """Return a map per method: a dot a detection, its colour the id, its shape the true object."""
     figure, axes = _figure(len(found), 4.6)
-    markers = "os^vDPX*<>phd8"
+    names = [name for name, _ in _counted([name for c in found for name in c.shows])]
+    shapes = {name: _MARKERS[min(k, len(_MARKERS) - 1)] for k, name in enumerate(names)}
     for ax, clusters in zip(axes, found, strict=True):
         ids = [label.rpartition("/")[0] for label in clusters.cluster]
         most = [name for name, _ in _counted(ids) if name]
-        owners = list(dict.fromkeys(clusters.owner.tolist()))
-        for owner in owners:
-            rows = np.flatnonzero(clusters.owner == owner)
-            shades = [_shade(ids[row], most) for row in rows]
+        for name in names:
+            rows = np.array([row for row, shown in enumerate(clusters.shows) if shown == name])
+            if not len(rows):
+                continue
             ax.scatter(
                 clusters.position[rows, 0],
                 clusters.position[rows, 1],
-                c=shades,
+                c=[_shade(ids[row], most) for row in rows],
                 s=14,
-                marker=markers[owners.index(owner) % len(markers)],
+                marker=shapes[name],
                 alpha=0.7,
                 linewidths=0,
             )
         ax.set(title=f"{clusters.method.title}\n{clusters.ids} ids, {clusters.stays} stays")
         ax.set(xlabel="x, m", ylabel="y, m", aspect="equal")
+    told = names[: len(_MARKERS) - 1]
+    for name in told:
+        axes[0].scatter([], [], c="#555555", s=14, marker=shapes[name], label=name or "a mistake")
+    if len(names) > len(told):
+        axes[0].scatter([], [], c="#555555", s=14, marker=_MARKERS[-1], label="other things")
+    figure.legend(
+        loc="outside lower center",
+        ncols=6,
+        fontsize=7,
+        title="shape: what it shows; colour: its id",
+    )
     return _svg(figure)
 
 

@@ -291,7 +291,7 @@ def exp4(found: Sequence[Clusters]) -> Table:
     """Return what became of one object's cluster, with and without space."""
     head = ("method", "detections shown", "ids", "stays", "true objects in the object's own id")
     rows = tuple(
-        (c.method.title, str(len(c.owner)), str(c.ids), str(c.stays), str(c.objects)) for c in found
+        (c.method.title, str(len(c.shows)), str(c.ids), str(c.stays), str(c.objects)) for c in found
     )
     title = f"Exp 4: the cluster of {found[0].target}" if found else "Exp 4"
     return Table(
@@ -300,7 +300,9 @@ def exp4(found: Sequence[Clusters]) -> Table:
         rows,
         (
             "Shown are the detections that Non-spatial puts under the object's id, and the "
-            "object's own; the paper shows crops of its pink cup.",
+            "object's own; the paper shows crops of its pink cup. In the picture a dot is a "
+            "detection where it was reported: its shape is the thing that it truly shows, its "
+            "colour the id that it went to, grey where it was left out.",
         ),
     )
 

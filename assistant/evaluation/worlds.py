@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from zoneinfo import ZoneInfo
 
+from assistant.english import listed
+from d3a.lacking import Lacking
 from d3a.model import BadInput
-from d3a.simulate import NOMINAL, Condition, named, simulate
+from d3a.readers.recording import RecordingReader
+from d3a.simulate import NOMINAL, Condition, is_whole, named, simulate
 from d3a.truth import Truth, read_truth
 
 DEVELOPMENT = (0, 1, 2, 3, 4)
 VALIDATION = (100, 101, 102, 103, 104)
+_FILES = ("recording.json", "frames.jsonl", "detections.jsonl", "truth.jsonl")
 Progress = Callable[[float, str], None]
 """Told the share that is done, 0 to 1, and what is being done."""
 
@@ -58,14 +61,31 @@ def recorded(
             raise BadInput(f"{world.folder} is given as it is; {chosen.name} needs a seed")
         return _read(world.folder)
     folder = work / f"{world.hours:g}h-{world.seed}-{chosen.name}"
-    if not (folder / "truth.jsonl").exists():
+    if not is_whole(folder):
         simulate(folder, hours=world.hours, seed=world.seed, condition=chosen, depth=depth)
     return _read(folder)
 
 
 def _read(folder: Path) -> Recorded:
-    facts = json.loads((folder / "recording.json").read_text(encoding="utf-8"))
-    return Recorded(folder, read_truth(folder), ZoneInfo(facts.get("zone") or "UTC"))
+    missing = [name for name in _FILES if not (folder / name).is_file()]
+    if missing:
+        raise BadInput(
+            f"{folder} is no recording that can be judged: it has no {listed(missing)}; "
+            f"d3a simulate {folder} writes one with its truth"
+        )
+    reader = RecordingReader(folder)
+    return Recorded(folder, read_truth(folder), ZoneInfo(reader.facts.zone or "UTC"))
+
+
+def lacks(folder: Path) -> list[str]:
+    """Return what a given recording lacks for all that can be judged, a sentence each.
+
+    Raises BadInput where it cannot be judged at all.
+    """
+    lacking = Lacking()
+    for frame in RecordingReader(_read(folder).folder):
+        lacking.add(posed=frame.pose is not None, detections=frame.detections or ())
+    return lacking.say()
 
 
 def worlds_of(seeds: tuple[int, ...], hours: float = 3.0) -> tuple[World, ...]:

@@ -30,7 +30,7 @@ SCHEMA = 1
 BROKEN_MAP = "broken map"
 FACTS_KNOWN = frozenset(
     {"schema", "recording", "site", "zone", "camera", "embedding", "map"}
-    | {"now", "regions", "classes"}
+    | {"now", "regions", "classes", "unfinished"}
 )
 FRAME_KNOWN = frozenset(["frame", "time", "pose", "pose_covariance", "image", "depth"])
 DETECTION_KNOWN = frozenset(
@@ -96,6 +96,11 @@ class RecordingReader:
             raise BadInput(f"{FACTS} is not JSON: {error}") from error
         if not isinstance(record, dict) or record.get("schema") != SCHEMA:
             raise BadInput(f"{FACTS} must be an object with schema {SCHEMA}")
+        if record.get("unfinished"):
+            raise BadInput(
+                f"{self._folder} is not whole: what wrote it was interrupted, as {FACTS} says; "
+                f"write it anew, a simulated one with the same d3a simulate {self._folder}"
+            )
         return record
 
     def _text(self, name: str) -> str | None:

@@ -44,10 +44,10 @@ def frame_name(number: int) -> str:
     return f"{number:06d}"
 
 
-def write_facts(out: Path, name: str, model: str, dim: int) -> None:
-    """Write recording.json."""
+def write_facts(out: Path, name: str, model: str, dim: int, *, whole: bool) -> None:
+    """Write recording.json. whole: all of the recording is there; else it says so."""
     camera = {key: getattr(CAMERA, key) for key in ("width", "height", "fx", "fy", "cx", "cy")}
-    record = {
+    record: Json = {
         "schema": 1,
         "recording": name,
         "site": "lab",
@@ -56,6 +56,8 @@ def write_facts(out: Path, name: str, model: str, dim: int) -> None:
         "embedding": {"name": model, "dim": dim},
         "map": None,
     }
+    if not whole:
+        record["unfinished"] = True
     (out / "recording.json").write_text(json.dumps(record, indent=2) + "\n", encoding="utf-8")
 
 

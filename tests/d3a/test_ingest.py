@@ -8,7 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from d3a.ingest import UNPLACED, UNPLACED_FRAMES, ingest
+from d3a.ingest import NOTED_FRAMES, ingest
+from d3a.lacking import LOOKLESS, UNPLACED, UNPOSED
 from d3a.model import BadInput, Detection, Frame, Pose
 from d3a.parameters import DEFAULT, PAPER, Parameters
 from d3a.preparation import (
@@ -282,19 +283,16 @@ def test_assignments_survive_an_interruption(tmp_path: Path, parameters: object)
         ingest(open_source(folder), store, chosen, assignments=tmp_path / "new.jsonl")
 
 
-@pytest.mark.parametrize(("count", "told_at"), [(20, 20), (UNPLACED_FRAMES + 5, UNPLACED_FRAMES)])
+@pytest.mark.parametrize(("count", "told_at"), [(20, 20), (NOTED_FRAMES + 5, NOTED_FRAMES)])
 def test_no_pose_at_all_is_noted_once_and_early(count: int, told_at: int) -> None:
     frames = rounds([Thing("cup", circle(1.5, 8)[0], 1)], count, 3)
-    bare = [
-        replace(
-            frame,
-            pose=None,
-            detections=tuple(
-                replace(each, position=None, covariance=None) for each in frame.detections or ()
-            ),
-        )
-        for frame in frames
-    ]
+
+    def without(**none: object) -> list[Frame]:
+        """Return the frames without poses, their detections without what is named."""
+        things = [tuple(replace(d, **none) for d in f.detections or ()) for f in frames]  # type: ignore[arg-type]
+        return [replace(f, pose=None, detections=d) for f, d in zip(frames, things, strict=True)]
+
+    bare = without(position=None, covariance=None)
     told: list[tuple[int, str]] = []
     done: list[int] = [0]
 
@@ -313,3 +311,5 @@ def test_no_pose_at_all_is_noted_once_and_early(count: int, told_at: int) -> Non
     assert told == [(told_at - (count > told_at), UNPLACED)]
     taken(ListReader([*bare[:9], *frames[9:12]]))
     assert len(told) == 1, "some have one"
+    taken(ListReader(without(embedding=None)))
+    assert [note for _, note in told[1:]] == [UNPOSED, LOOKLESS]

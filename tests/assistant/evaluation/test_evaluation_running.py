@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -31,6 +32,8 @@ from assistant.evaluation.worlds import Recorded, Steps, World, recorded
 from d3a.answer import Answer, RankedKeyframe
 from d3a.metrics import CUT, best_ids
 from d3a.model import BadInput
+from d3a.readers.opening import open_source
+from d3a.simulate import is_whole, simulate
 from d3a.store.opening import open_store
 
 HOURS = 0.5
@@ -204,7 +207,8 @@ def test_nights_are_no_working_hours(work: Path) -> None:
 def test_clusters_are_of_one_object_and_space_parts_them(work: Path) -> None:
     found = {c.method.key: c for c in exp4.run(SMALL, work, Steps(running.quiet, 3))}
     flat, ours = found["non-spatial"], found["default"]
-    assert len(flat.owner) == len(ours.owner) == len(ours.cluster)
+    assert len(flat.owner) == len(ours.shows) == len(ours.cluster)
+    assert flat.target in flat.shows
     assert flat.objects > ours.objects
     assert flat.stays < ours.stays
 
@@ -222,6 +226,8 @@ def test_report_is_one_page_with_every_table_and_plot(work: Path, tmp_path: Path
     )
     page = (tmp_path / "out" / running.REPORT).read_text(encoding="utf-8")
     assert page.count("<svg") == 2
+    assert "shape: what it shows" in page
+    assert found.exp4[0].target in page[page.index("shape: what it shows") :]
     assert "http" not in page.replace("http://www.w3.org", "")  # but for SVG's own names
     for table in found.tables():
         assert table.title.replace("'", "&#x27;") in page
@@ -316,9 +322,52 @@ def test_evaluate_command_says_what_a_given_recording_cannot_do(source: Recorded
     done = CliRunner().invoke(evaluate_command, arguments)
     assert done.exit_code == 0, done.output
     assert "exp1 needs a simulated world" in done.stderr
+    for option in (["--seeds", "3"], ["--hours", "3"]):
+        refused = CliRunner().invoke(evaluate_command, [*arguments, *option])
+        assert refused.exit_code == 2
+        assert f"{option[0]} is of simulated worlds" in refused.stderr
+
+
+def test_evaluate_command_says_once_what_a_given_recording_lacks(
+    source: Recorded, tmp_path: Path
+) -> None:
+    folder = tmp_path / "bare"
+    shutil.copytree(source.folder, folder)
+    for name, key in (("frames.jsonl", "pose"), ("detections.jsonl", "embedding")):
+        lines = [json.loads(line) for line in (folder / name).read_text("utf-8").splitlines()]
+        text = "".join(json.dumps(line | {key: None}) + "\n" for line in lines)
+        (folder / name).write_text(text, encoding="utf-8")
+    done = CliRunner().invoke(evaluate_command, ["exp1", "--world", str(folder), "--quiet"])
+    assert done.exit_code == 0, done.output
+    assert done.stderr.count("no frame has a pose") == 1
+    assert done.stderr.count("no detection has an embedding") == 1
+
+
+def test_a_half_simulated_world_is_called_so(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def interrupted(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    out = tmp_path / "w"
+    with monkeypatch.context() as patch:
+        patch.setattr("d3a.simulation.writer.write_truth", interrupted)
+        with pytest.raises(KeyboardInterrupt):
+            simulate(out, hours=0.1, depth=False)
+    assert not is_whole(out)
+    with pytest.raises(BadInput, match="is not whole: what wrote it was interrupted"):
+        open_source(out)
+    (out / "truth.jsonl").touch()
+    done = CliRunner().invoke(evaluate_command, ["exp4", "--world", str(out), "--quiet"])
+    assert done.exit_code == 2
+    assert "was interrupted" in done.stderr
+    simulate(out, hours=0.1, depth=False)
+    assert is_whole(out)
+    assert "unfinished" not in (out / "recording.json").read_text(encoding="utf-8")
 
 
 def test_evaluate_command_names_what_is_missing(tmp_path: Path) -> None:
     done = CliRunner().invoke(evaluate_command, ["exp4", "--world", str(tmp_path), "--quiet"])
     assert done.exit_code == 2
-    assert "recording.json" in done.output
+    assert "it has no recording.json, frames.jsonl, detections.jsonl and truth.jsonl" in done.stderr
+    assert "d3a simulate" in done.stderr
