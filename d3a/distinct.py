@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from bisect import bisect
 from collections.abc import Iterable, Sequence
+from operator import attrgetter
 
 from d3a.store.base import ObjectRecord, Sighting
 
@@ -16,11 +17,14 @@ ROUND_GAP_MS = 600_000
 """Sightings further apart than this are of two rounds: between them a thing may be carried."""
 
 
+_BY_TIME = attrgetter("start_ms", "end_ms", "object_id", "place")
+
+
 def rounds(sightings: Iterable[Sighting]) -> list[list[Sighting]]:
     """Return the sightings in groups that no gap divides, by time."""
     out: list[list[Sighting]] = []
     end_ms = 0
-    for sighting in sorted(sightings, key=lambda s: (s.start_ms, s.end_ms, s.object_id, s.place)):
+    for sighting in sorted(sightings, key=_BY_TIME):
         if out and sighting.start_ms - end_ms <= ROUND_GAP_MS:
             out[-1].append(sighting)
             end_ms = max(end_ms, sighting.end_ms)
@@ -66,17 +70,18 @@ class _Kind:
 
     def add(self, span: tuple[int, int], number: int) -> int:
         """Return the number of the first thing that was out of sight then, else make a new one."""
+        found = None
         # Most things are seen all the time: what overlaps every span needs no further look.
-        is_apart = self._first_end < span[0] or span[1] < self._last_start
-        fitting = (each for each in self._things if is_apart and _fits(span, each[1]))
-        found = next(fitting, None)
+        if self._first_end < span[0] or span[1] < self._last_start:
+            found = next((each for each in self._things if _fits(span, each[1])), None)
         if found is None:
-            found = (number, [])
-            self._things.append(found)
-        found[1].insert(bisect(found[1], span), span)
+            self._things.append((number, [span]))
+        else:
+            number = found[0]
+            found[1].insert(bisect(found[1], span), span)
         self._first_end = min(self._first_end, span[1])
         self._last_start = max(self._last_start, span[0])
-        return found[0]
+        return number
 
 
 def _fits(span: tuple[int, int], spans: Sequence[tuple[int, int]]) -> bool:

@@ -192,11 +192,10 @@ def _candidates(run: Run, step: FindObjects, *, looks: bool) -> tuple[list[Candi
 
     looks: with the embeddings, that attributes are judged by.
     """
-    worth = rungs(step, run.facts.categories(), run.lexicon)
-    classes = rungs(step, run.facts.classes() or (), run.lexicon)
+    worth, classes = run.facts.rungs(step, run.lexicon)
     known = bool(worth) or bool(classes) or step.precision == "perfect"  # asks for no category
     if step.votes:  # a word may be nobody's category and still have had some votes
-        worth = rungs(step, (step.category, step.word), run.lexicon) | classes | worth
+        worth = {**rungs(step, (step.category, step.word), run.lexicon), **classes, **worth}
     if step.category == ANYTHING or step.precision == "any":
         records = run.facts.objects(None, embeddings=looks)
     else:

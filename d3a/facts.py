@@ -17,7 +17,7 @@ import numpy as np
 from d3a.attributes import Looks
 from d3a.colours import HISTOGRAM_SIZE, Palette, histograms, learn
 from d3a.landmarks import Landmarks, is_hollow_word, is_landmark_word, landmarks
-from d3a.match import Candidate, Lexicon, candidates
+from d3a.match import Candidate, Lexicon, candidates, rungs
 from d3a.moments import in_slice, joined
 from d3a.parameters import DEFAULT, PROFILES, Parameters
 from d3a.plan import FindObjects
@@ -42,6 +42,7 @@ PALETTE_OBJECTS = 1_000
 FEW_OBJECTS = 2_000
 """In a home of so few objects, what is large is looked for under every category."""
 _Seen = TypeVar("_Seen", Sighting, StayRecord)
+_Worth = Mapping[str, float]
 
 
 @lru_cache(maxsize=4)
@@ -130,6 +131,16 @@ class Facts:
         if found is None:
             found = self.store.objects(categories=categories, votes=True, embeddings=embeddings)
             kept.put(asked, found, len(found))
+        return found
+
+    def rungs(self, step: FindObjects, lexicon: Lexicon) -> tuple[_Worth, _Worth]:
+        """Return what a noun may mean of the store's categories and of its detectors' classes."""
+        asked = (step.category, step.word, step.precision)
+        found = self._known.rungs.get(asked, None)
+        if found is None:
+            classes = rungs(step, self.classes() or (), lexicon)
+            found = rungs(step, self.categories(), lexicon), classes
+            self._known.rungs.put(asked, found, 1)
         return found
 
     def candidates(

@@ -64,6 +64,9 @@ class Landmarks:
     _held: dict[str, NDArray[np.bool_]] = field(init=False, repr=False, compare=False)
     _mapped: dict[str, NDArray[np.bool_]] = field(init=False, repr=False, compare=False)
     _nameless: NDArray[np.bool_] = field(init=False, repr=False, compare=False)
+    _open: dict[tuple[str, tuple[str, ...]], NDArray[np.bool_]] = field(
+        default_factory=dict, init=False, repr=False, compare=False
+    )
 
     def __post_init__(self) -> None:
         """Keep the positions as an array (3, n) too, which id is where, and what each room has."""
@@ -98,11 +101,9 @@ class Landmarks:
             return found
         positions = np.array([stays[k].position for k in placed]).T  # (3, p)
         x, y, z = positions[:, :, None] - self._array[:, None]  # (p, n) each
-        kinds: dict[tuple[str, tuple[str, ...]], int] = {}  # most stays are in a few rooms
-        of = [kinds.setdefault((stays[k].site, rooms[k]), len(kinds)) for k in placed]
-        reachable = np.stack([self._reachable(*kind) for kind in kinds])
+        reachable = np.array([self._reachable(stays[k].site, rooms[k]) for k in placed])
         reachable[:, [*without]] = False
-        apart = np.where(reachable[of], np.sqrt(x * x + y * y + z * z), np.inf)
+        apart = np.where(reachable, np.sqrt(x * x + y * y + z * z), np.inf)
         for row, k in enumerate(placed):
             own = self._rows.get(stays[k].object_id)
             if own is not None:
@@ -116,8 +117,14 @@ class Landmarks:
                 found[k] = self.categories[i], exact
         return found
 
-    def _reachable(self, site: str, rooms: Collection[str]) -> NDArray[np.bool_]:
+    def _reachable(self, site: str, rooms: tuple[str, ...]) -> NDArray[np.bool_]:
         """Return which landmarks (n,) are on a site, and in one of the rooms or in none."""
+        known = self._open.get((site, rooms))
+        if known is None:
+            known = self._open[site, rooms] = self._reached(site, rooms)
+        return known
+
+    def _reached(self, site: str, rooms: tuple[str, ...]) -> NDArray[np.bool_]:
         nothing = np.zeros(len(self.ids), dtype=np.bool_)
         mapped = self._mapped.get(site, nothing)
         if not rooms or not self._held:

@@ -127,9 +127,11 @@ def _holds(polygon: Sequence[tuple[float, float]], x: float, y: float) -> bool:
 
 def _is_inside(polygon: Sequence[tuple[float, float]], x: float, y: float) -> bool:
     inside = False
-    for (x1, y1), (x2, y2) in zip(polygon, (*polygon[1:], polygon[0]), strict=True):
+    x1, y1 = polygon[-1]
+    for x2, y2 in polygon:
         if (y1 > y) != (y2 > y) and x < (x2 - x1) * (y - y1) / (y2 - y1) + x1:
             inside = not inside
+        x1, y1 = x2, y2
     return inside
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -12,18 +13,21 @@ from d3a.landmarks import Landmarks
 from d3a.match import Candidate
 from d3a.parameters import Parameters
 from d3a.spots import Spots
-from d3a.steps import FindObjects
+from d3a.steps import FindObjects, Precision
 from d3a.store.base import ObjectRecord, Region, Sighting, StayKey, StayRecord, TaughtName
 from grammar.forms import RelationKind
 
 MOST_STAYS = 5_000
 """So many stays are kept between questions at most."""
+MOST_WORDS = 100
+"""And what so many nouns may mean."""
 MOST_OBJECTS = 50_000
 """And so many records of objects, half a kilobyte each."""
 MOST_LOOKS = 25_000
 """With their embeddings they are five times as large: 60 MB at most, and 15 MB for their pixels."""
 MOST_SIGHTINGS = 20_000
 _Asked = tuple[str, ...] | None
+_Noun = tuple[str, str, Precision | None]
 _Meant = tuple[FindObjects, tuple[tuple[str, float], ...], float]
 _Counted = tuple[tuple[str, ...], int | None, int | None]
 _Candidates = tuple[list[ObjectRecord], list[Candidate]]
@@ -40,6 +44,9 @@ class Revision:
     palette: Palette | None = None
     landmarks: Landmarks | None = None
     parameters: Parameters | None = None
+    rungs: Kept[_Noun, tuple[Mapping[str, float], Mapping[str, float]]] = field(
+        default_factory=lambda: Kept(MOST_WORDS)
+    )
     usual: dict[RelationKind, frozenset[str]] = field(default_factory=dict)
     newest_ms: int | None = None
     spots: dict[tuple[bool, float], Spots] = field(default_factory=dict)

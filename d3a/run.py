@@ -136,6 +136,8 @@ class Run:
         and the looks asked for hold for all at once not too seldom.
         """
         doubtful = self.doubtful()
+        if not doubtful:
+            return iter(moments)
         return (moment for moment in moments if self._stands(moment, doubtful))
 
     @staticmethod
