@@ -72,6 +72,12 @@ class Pattern(str):
     __slots__ = ()
 
 
+def _predicated(words: list[Word], i: int) -> bool:
+    """Whether a look at `i` may be said of the noun before it: is the cup glass, no wine glass."""
+    ends = i + 1 == len(words) or not words[i + 1].text[:1].isalnum()
+    return ends and words[0].text in ("is", "are", "was", "were", "whether", "if")
+
+
 @dataclass(frozen=True)
 class NounReader:
     """Reads the open words at a place as attributes and nouns."""
@@ -178,7 +184,9 @@ class NounReader:
         """Return the length of the longest listed compound at `i`, 0 for none."""
         for size in range(min(_MAX_COMPOUND, end - i), 1, -1):
             said = " ".join(w.text for w in words[i : i + size])
-            if self.lexicon.known_noun(said) or self.lexicon.is_one_word(said.replace(" ", "")):
+            whole = said.replace(" ", "")
+            parted = all(is_open(w.text) for w in words[i : i + size])  # a cart on is no carton
+            if self.lexicon.known_noun(said) or (parted and self.lexicon.is_one_word(whole)):
                 return size
         return 0
 
@@ -202,6 +210,7 @@ class NounReader:
         noun = self.lexicon.known_noun(text)
         before = words[i - 1].text if i else ""
         alone = not is_open(before) or before in kinds or not self._known(before)
+        alone = alone or not _predicated(words, i)
         return None if noun and alone else (text, kind, 1)
 
     def _parted(self, text: str, following: str) -> str | None:

@@ -20,6 +20,9 @@ _NUMBERED = words_of(
 )
 """What has its number said after it: shelf 2, box three."""
 
+_NOUNS_TOO = ("can", "saw", "record")
+_AFTER_VERBS = DETERMINERS | {*OWNERS, "i", "we", "you", "it", "he", "she", "they", "one", "be"}
+
 
 class OpenTagger(RelationTagger):
     """Reads the words that no phrase takes."""
@@ -93,6 +96,27 @@ class OpenTagger(RelationTagger):
             self._emit("NOUN" if isinstance(what, Noun) else "ATTR", what, last - first)
         return True
 
+    def _closed_noun(self) -> bool:
+        """Read a verb of the grammar where only a noun may stand: the can opener, a soup can."""
+        text, k = self._text(self.i), self.i + 1
+        before = self.out.tags[-1].value if self._last() == "NOUN" else None
+        led = self._last() in ("DET", "OWNER", "ATTR", "NUMBER")
+        if text not in _NOUNS_TOO or not (led or isinstance(before, Noun)):
+            return False
+        if self._text(k) in _AFTER_VERBS or (before and not is_open(self._text(self.i - 1))):
+            return False
+        while self._open_at(k) and not breaks(self.words, k):
+            k += 1
+        rest = " ".join(w.text for w in self.words[self.i : k])
+        said = self.lexicon.singular(f"{before.said} {rest}" if isinstance(before, Noun) else rest)
+        noun = Noun(self.lexicon.canonical(said), said, known=True)
+        if isinstance(before, Noun):
+            self.out.tags[-1] = replace(self.out.tags[-1], value=noun)
+            self.i = k
+        else:
+            self._emit("NOUN", noun, k - self.i)
+        return True
+
     def _apposed(self) -> bool:
         """Read the one that is said after its kind: the box, the cardboard one."""
         if self._last() not in ("NOUN", "COMMA"):
@@ -153,7 +177,10 @@ class OpenTagger(RelationTagger):
         """Read what a thing is made of or looks like as said of it: glass is a noun elsewhere."""
         made = self._last() in ("_MADE_OF", "_NOT_MADE_OF")
         looks = self._last() in ("_THAT_IS", "_THAT_IS_NOT") and self._looks(self.i)
-        if text not in self.lexicon.attributes or not (made or looks):
+        asked = (
+            self._last() == "BE" and self._first() in ("_WHICH", "_WHAT") and self._looks(self.i)
+        )
+        if text not in self.lexicon.attributes or not (made or looks or asked):
             return False
         self._emit("ATTR", Attribute(text, self.lexicon.attributes[text]), 1)
         return True

@@ -73,6 +73,8 @@ def breaks(words: list[Word], k: int) -> bool:
     """Whether the open word at `k` starts a phrase of its own and goes on no noun."""
     known = phrases()
     text = words[k].text
+    if text in _NOUNS_TOO and not _verb_due(words, k):
+        return False  # where is the glue stick, did you see my cake stand
     if stands_at(words, k):
         return True
     if text in known.stances and _BEING & {w.text for w in words[:k]}:
@@ -86,6 +88,22 @@ def breaks(words: list[Word], k: int) -> bool:
         if cuts and [w.text for w in words[k : k + len(parts)]] == [*parts]:
             return True
     return False
+
+
+_NOUNS_TOO = words_of("stick set stand drop store park record view rest hide light stop")
+_ACTING = words_of("do does did have has had can could")
+
+
+def _verb_due(words: list[Word], k: int) -> bool:
+    """Whether the question still lacks its verb before `k`: where did mom stick it."""
+    before = [w.text for w in words[:k]]
+    if not phrases().verbs.isdisjoint(before):
+        return False
+    if not _ACTING.isdisjoint(before):
+        return True
+    if words[k].text == "set" and before[0] in ("was", "were"):
+        return place_follows(words, k + 1)  # was the cup set on the table
+    return _BEING.isdisjoint(before) and before[0] in ("which", "what", "who", "how")
 
 
 def stands_at(words: list[Word], k: int) -> bool:

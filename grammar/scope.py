@@ -192,10 +192,7 @@ def refuse_late(text: str, found: FormalQuery, rest: list[Word], lexicon: Lexico
         head = term.word.rpartition(" ")[2]
         if head == "like" and len(term.word) > len(head):
             raise _out(text, rest[-1], "It knows no properties of things", rest, lexicon)
-        if i == 0 and (
-            term.word in lists["abstract"]
-            or (head in lists["abstract"] and head not in lexicon.nouns)
-        ):
+        if i == 0 and _is_abstract(term.word, head, lexicon):
             word = next((w for w in rest if w.text.startswith(head[:4])), rest[-1])
             raise _out(text, word, f"“{term.word}” is no thing that a camera sees", rest, lexicon)
     stated = found.ask in ("count", "whether", "what") and lists["state"]
@@ -206,14 +203,15 @@ def refuse_late(text: str, found: FormalQuery, rest: list[Word], lexicon: Lexico
     ends = found.ask == "whether" and said[0] in ("is", "are", "was", "were")
     if ends and (said[-1] in lists["state"] - _NO_STATES or _predicated(found, said, lexicon)):
         raise _out(text, rest[-1], "It knows no states of things", rest, lexicon)
-    if found.objects and _acted(found.objects[0], lexicon):
+    if found.objects and _acted(found.objects[0], said, lexicon):
         raise _out(text, rest[-1], "It remembers things, not what became of them", rest, lexicon)
     if len(found.objects) == 2 and found.relation and found.relation.kind == "in":
         content, vessel = (term.category for term in found.objects)
         if content in lists["liquid"] and vessel in lists["vessel"]:
             raise _out(text, rest[-1], "What is in a vessel is a state of it", rest, lexicon)
+    on_it = found.relation is not None and found.relation.kind in ("on", "in", "together")
     for term in found.objects[1:]:
-        if term.word in lists["medium"]:
+        if term.word in lists["medium"] and on_it:
             raise _out(text, rest[-1], f"“{term.word}” is no place for things", rest, lexicon)
     first = found.objects[0] if found.objects else None
     if first is not None and found.relation is not None and first.category in lexicon.places:
@@ -225,6 +223,15 @@ def refuse_late(text: str, found: FormalQuery, rest: list[Word], lexicon: Lexico
         raise _out(text, rest[-1], "It remembers things, not the doings of people", rest, lexicon)
 
 
+def _is_abstract(word: str, head: str, lexicon: Lexicon) -> bool:
+    """Whether a noun is no thing: the level, but not the spirit level; music, no sheet music."""
+    lists = _lists()
+    if word in lists["abstract"]:
+        return True
+    concrete = word in lexicon.nouns or head in lists["compound"] or head in lexicon.nouns
+    return head in lists["abstract"] and not concrete
+
+
 def _predicated(found: FormalQuery, said: list[str], lexicon: Lexicon) -> bool:
     """Whether the last word is said of the subject: `is the plant on the windowsill healthy`."""
     ground, _, last = found.objects[-1].word.rpartition(" ") if found.objects else ("", "", "")
@@ -232,16 +239,23 @@ def _predicated(found: FormalQuery, said: list[str], lexicon: Lexicon) -> bool:
     return "there" not in said and last == said[-1] and known and last not in lexicon.heads
 
 
-def _acted(term: ObjectTerm, lexicon: Lexicon) -> bool:
+def _acted(term: ObjectTerm, said: list[str], lexicon: Lexicon) -> bool:
     """Whether a noun ends in a verb of doing, or starts with a name: `team won`, `anna come`."""
     first, last = term.word.partition(" ")[0], term.word.rpartition(" ")[2]
     if first in _WANTING:
         return True
     if term.word in lexicon.nouns or last in lexicon.heads:
         return False
+    noun = first not in lexicon.names and first not in KIN and first != last
+    placed = _ACTING.isdisjoint(said) or not phrases().verbs.isdisjoint(said)
+    if noun and placed and last in _DEEDS:
+        return False  # where is the door stop, did you see the face wash
     return last in doings() or (first != last and first in lexicon.names)
 
 
+_DEEDS = words_of("stop wash press ring walk rest watch iron drink break play work feed dry wear")
+"""Verbs of doing that are nouns too, where the question has a verb of its own."""
+_ACTING = words_of("do does did have has had will can could")
 _WANTING = ("need", "needs", "want", "wants", "seem", "seems")
 """Verbs that begin no noun: which rooms still need painting."""
 _NO_STATES = words_of("on off up down home set made free visible available safe good fine high low")

@@ -297,7 +297,7 @@ def _closed(words: list[Word]) -> list[Word]:
             words = words[:-1]
             continue
         count = suffix.ending(words)
-        if not count or count >= len(words):
+        if not count or count >= len(words) or _robotic(words):
             break
         if words[-count].text in ("is", "was", "did", "have", "are", "were", "does") and not _tag(
             words, count
@@ -311,6 +311,14 @@ def _closed(words: list[Word]) -> list[Word]:
     return words
 
 
+def _robotic(words: list[Word]) -> bool:
+    """Whether the `robot` at the end is a thing that is asked for: the toy robot."""
+    return words[-1].text == "robot" and words[-2].text in _ROBOTIC
+
+
+_ROBOTIC = words_of(
+    "the a my toy lego vacuum cleaning mop lawn tin model small big little red blue"
+)
 _ASKING_TAGS = ("right", "correct", "yes", "no")
 
 

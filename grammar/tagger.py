@@ -44,7 +44,7 @@ class Tagger(OpenTagger):
                 self._joint_part, self._bounded, self._mark, self._clause, self._place, self._topic,
                 self._negation, self._part, self._owning,
                 self._noun_as_subject, self._owner,
-                self._phrase, self._plain,
+                self._closed_noun, self._phrase, self._plain,
             ):  # fmt: skip
                 if step():
                     break

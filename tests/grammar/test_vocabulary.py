@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections import Counter
+from datetime import datetime
 
 import pytest
 
+from grammar import QuestionError, parse
 from grammar.adjectives import describes
 from grammar.forms import RELATION_KINDS, SELECTS
 from grammar.phrases import phrases
@@ -22,6 +24,7 @@ from grammar.vocabulary import (
     synonyms,
 )
 
+NOW = datetime.fromisoformat("2026-05-14T20:30:00+01:00")
 COCO = [
     " ".join(name.split())
     for name in """
@@ -193,3 +196,66 @@ def test_no_noun_stands_in_two_lines() -> None:
 def test_a_noun_with_a_number_is_a_kind_of_the_noun() -> None:
     assert lexicon().wider("shelf 2")[0] == "shelf"
     assert lexicon().wider("box three")[0] == "box"
+
+
+@pytest.mark.parametrize(
+    "noun",
+    [
+        "beer can",
+        "can opener",
+        "saw blade",
+        "record player",
+        "glue stick",
+        "train set",
+        "cake stand",
+        "ring light",
+        "wine cork",
+        "pizza stone",
+        "door stop",
+        "face wash",
+        "coffee maker",
+        "smoke alarm",
+        "bird house",
+        "toy robot",
+        "spirit level",
+        "tea cart",
+        "clay",
+        "mustard",
+        "saw",
+        "can",
+    ],
+)
+@pytest.mark.parametrize(
+    "asked",
+    [
+        "where is the {}",
+        "is there a {} on the mat",
+        "did you see the {} yesterday",
+        "is the {} near the mat",
+        "when did you last see the {}",
+    ],
+)
+def test_a_noun_that_is_also_a_verb_a_look_or_no_thing(asked: str, noun: str) -> None:
+    query = parse(asked.format(noun), now=NOW)
+    assert query.objects[0].word == noun
+    assert len(query.objects) == 1 + ("mat" in asked)
+
+
+@pytest.mark.parametrize(
+    ("text", "word"),
+    [
+        ("was the cup set on the mat", "cup"),
+        ("where did mom stick the cup", "cup"),
+        ("is the cup on the mat clay", "cup"),
+        ("where is the cup that is walnut", "cup"),
+        ("which cup is leather", "cup"),
+    ],
+)
+def test_a_verb_or_a_look_stays_one(text: str, word: str) -> None:
+    assert parse(text, now=NOW).objects[0].word == word
+
+
+@pytest.mark.parametrize("text", ["where is the noise level", "where is the music", "did mom wash"])
+def test_no_thing_stays_none(text: str) -> None:
+    with pytest.raises(QuestionError):
+        parse(text, now=NOW)
