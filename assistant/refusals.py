@@ -110,6 +110,8 @@ def _none_like_it(answer: Answer, query: FormalQuery, refused: list[str], now: d
     looks = listed([word for word in refused if not word.startswith("not ")])
     unlike = listed([word.removeprefix("not ") for word in refused if word.startswith("not ")])
     missed = f"looked {looks}" if looks else f"did not look {unlike}"
+    if _refused_term(answer, query).category == ANYTHING:
+        return f"Nothing that I saw {missed}."
     there = there_words(other, query)
     told = f"I saw {article(kind_of(other))}, but none that {missed}."
     return f"{told} I last saw one {when(other.end, now)}{there}."

@@ -260,7 +260,8 @@ def _what(answer: Answer, query: FormalQuery, now: datetime) -> str:
     if chosen or (query.select == "last" and not somewhere):
         return _at_the_edge(answer, query, now)  # what is last somewhere is what is there
     sure = [k for k in heads if k.score >= NOT_SURE] or heads  # the rest stands in the table
-    seen = {k.object_id: kind_of(k) for k in sure}
+    seen = {k.object_id: kind_of(k) for k in sorted(sure, key=lambda k: -k.score)}
+    seen = dict([*seen.items()][: answer.count])  # what is doubtful is listed, and not counted
     if kinds_of_broad(answer, query):  # each has the looks that were asked of the broader word
         seen = {
             name: described(term_of(query), answer.unjudged, noun=kind)
