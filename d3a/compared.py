@@ -52,19 +52,43 @@ class Frame:
 class Gated:
     """The things that a frame's may be, and where they may be.
 
-    rows: in the table of positions, by thing; columns: those of that table. is_plain: each thing
-    has one of them. turns, where it is not: indices of rows and the things that they are of, in
-    turns that have each thing once: its first place, then further ones of things that moved.
-    placeless: indices of things without a position. nowhere: detections without one.
+    rows: in the table of positions, by thing; columns: those of that table. spans: of each thing
+    where its rows begin and end among these; equal where it has none. placeless: indices of things
+    without a position. nowhere: detections without one.
     """
 
     things: list[Known]
-    rows: NDArray[np.intp]
+    rows: list[int]
     columns: Floats
-    is_plain: bool
-    turns: list[tuple[list[int], list[int]]]
+    spans: list[tuple[int, int]]
     placeless: list[int]
     nowhere: list[int]
+
+    def by_thing(self, ratios: Floats) -> Floats:
+        """Return the evidence of each thing's likeliest place, (2, n, m), from that of rows."""
+        known = [k for k, (start, stop) in enumerate(self.spans) if start < stop]
+        if len(known) == len(self.things) == len(self.rows) and not self.nowhere:
+            return ratios
+        place = np.full((*ratios.shape[:2], len(self.things)), NEVER)
+        if known:
+            starts = [self.spans[k][0] for k in known]
+            place[:, :, known] = np.maximum.reduceat(ratios, starts, axis=2)
+        place[:, self.nowhere] = 0.0
+        place[:, :, self.placeless] = 0.0
+        return place
+
+    def at(self, ratios: Floats, taken: list[int]) -> list[int]:
+        """Return the row of the place where each detection is, from the evidence of rows (n, k).
+
+        taken: as in `Assigned`. Row -1: it is new, or nowhere.
+        """
+        found = [-1] * len(taken)
+        for i, column in enumerate(taken):
+            start, stop = self.spans[column] if column >= 0 else (0, 0)
+            if start < stop and i not in self.nowhere:
+                best = int(ratios[i, start:stop].argmax()) if stop - start > 1 else 0
+                found[i] = self.rows[start + best]
+        return found
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,14 +132,15 @@ class Misplaced(NamedTuple):
 class Assigned:
     """One way to explain a frame, with its localisation off by so much.
 
-    taken: for each thing of the frame the column of `things`, -1 for a new one. place and at: see
-    `Matcher._place`. score: all evidence (n, m). misplaced: what new ones are else, by the frame's
+    taken: for each thing of the frame the column of `things`, -1 for a new one. at: the row of its
+    place, see `Gated.at`. place: its evidence, (2, n, m), see `Matcher._place_ratios`. score: all
+    evidence (n, m). misplaced: what new ones are else, by the frame's
     thing. strange: how many of the new ones look like something known.
     """
 
     things: list[Known]
     taken: list[int]
-    at: NDArray[np.intp]
+    at: list[int]
     place: Floats
     scoring: Scoring
     score: Floats

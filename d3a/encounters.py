@@ -56,9 +56,16 @@ class Encounters:
 
     def write(self, ledger: Ledger) -> None:
         """Put what changed into the ledger."""
-        for pair in sorted(self._dirty):
+        self._write(self._dirty, ledger)
+
+    def write_some(self, ids: Set[str], ledger: Ledger) -> None:
+        """Put what changed of some objects into the ledger."""
+        self._write({p for p in self._dirty if p[0][0] in ids or p[1][0] in ids}, ledger)
+
+    def _write(self, pairs: set[Pair], ledger: Ledger) -> None:
+        for pair in pairs:
             ledger.put_encounter(self._open[pair])
-        self._dirty.clear()
+        self._dirty = self._dirty - pairs
 
     def prune(self) -> None:
         """Forget what a pause has closed, once it is written."""
@@ -74,16 +81,16 @@ class Encounters:
         self._dirty &= kept.keys()
 
     def rename(self, was: StayKey, becomes: StayKey) -> None:
-        """Go on under a stay's new name; what was written was renamed by the move itself."""
-        renamed: dict[Pair, Encounter] = {}
-        for pair, each in sorted(self._open.items(), key=lambda item: item[0]):
-            if was not in pair:
-                renamed[pair] = each
-            elif (other := each.renamed({was: becomes})) is not None:
-                key = ((other.object_a, other.place_a), (other.object_b, other.place_b))
-                renamed[key] = other
-        self._open = renamed
-        self._dirty.clear()
+        """Go on under a stay's new name; all of its object is written, under that name by now."""
+        for pair in sorted(pair for pair in self._open if was in pair):
+            self._dirty.discard(pair)
+            other = self._open.pop(pair).renamed({was: becomes})
+            if other is None:
+                continue
+            key = (other.object_a, other.place_a), (other.object_b, other.place_b)
+            known = self._open.get(key)
+            if known is None or known.end_ms <= other.end_ms:  # else that is what goes on
+                self._open[key] = other
 
     def to_state(self) -> Json:
         """Return the open encounters as JSON."""

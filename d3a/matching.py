@@ -101,7 +101,7 @@ class Matcher:
     def _match(self, found: Assigned, i: int) -> Match | None:
         column = found.taken[i]
         if column >= 0:
-            return Match(found.things[column], self._at(int(found.at[i, column])))
+            return Match(found.things[column], self._at(found.at[i]))
         if (lost := found.misplaced.get(i)) is None:
             return None
         return Match(lost.thing, lost.place, not lost.by_view)
@@ -147,18 +147,20 @@ class Matcher:
         if not things:
             none = np.zeros((len(frame.observed.things), 0))
             taken = [-1] * len(none)
-            return Assigned([], taken, none.astype(np.intp), none, Scoring(none, none), none)
+            return Assigned([], taken, taken, none, Scoring(none, none), none)
         scoring = self._scoring(frame, things)
-        place, at = self._place(frame, aim, gated)
+        ratios = self._place_ratios(frame, aim, gated.columns)
+        place = gated.by_thing(ratios)
         score = scoring.total(place)
         new = self._parameters.new_thing_odds
         taken = likelihood.assign(score, new)
-        is_corrected = self._align(frame, things, taken, at)
+        is_corrected = self._align(frame, things, taken, gated.at(ratios[0], taken))
         if is_corrected and not likelihood.is_settled(score, taken, new, SETTLED):
-            place, at = self._place(frame, frame.aim(self.offset), gated)
+            ratios = self._place_ratios(frame, frame.aim(self.offset), gated.columns)
+            place = gated.by_thing(ratios)
             score = scoring.total(place)
             taken = likelihood.assign(score, new)
-        return Assigned(things, taken, at, place, scoring, score)
+        return Assigned(things, taken, gated.at(ratios[0], taken), place, scoring, score)
 
     def _at(self, row: int) -> Place | None:
         return self._memory.positions.owners[row][1] if row >= 0 else None
@@ -194,19 +196,20 @@ class Matcher:
         What has no position is near everything, and to a detection without one all are.
         """
         positions, known = self._memory.positions, self._memory.things
-        owners = [positions.owners[row][0].number for row in rows.tolist()]
-        numbers = list(dict.fromkeys(owners))  # they are by thing
-        placeless, nowhere = self._memory.placeless(), observed.nowhere
-        columns = positions.columns[:, rows]
-        if not placeless and not nowhere and len(numbers) == len(owners):
-            return Gated([known[n] for n in numbers], rows, columns, True, [], [], [])
+        at = rows.tolist()
+        spans: dict[int, tuple[int, int]] = {}
+        for k, row in enumerate(at):  # they are by thing
+            number = positions.owners[row][0].number
+            spans[number] = spans.get(number, (k, k))[0], k + 1
+        numbers, placeless, nowhere = list(spans), self._memory.placeless(), observed.nowhere
         if nowhere:
             numbers = sorted(known)
         elif placeless:
             numbers = sorted({*numbers, *(thing.number for thing in placeless)})
         things = [known[number] for number in numbers]
-        unplaced = [j for j, thing in enumerate(things) if all(p.row < 0 for p in thing.places)]
-        return Gated(things, rows, columns, False, _turns(owners, numbers), unplaced, nowhere)
+        unplaced = [k for k, number in enumerate(numbers) if known[number] in placeless]
+        of = [spans.get(number, (0, 0)) for number in numbers]
+        return Gated(things, at, positions.columns[:, rows], of, unplaced, nowhere)
 
     def _scoring(self, frame: Frame, things: list[Known]) -> Scoring:
         """Return the evidence of category and look; of a thing named twice one name may agree."""
@@ -233,30 +236,6 @@ class Matcher:
         if not all(frame.placed):
             beside = np.where(np.array(frame.placed)[:, None], beside, same)
         return Scoring(agreed, differing, same, beside, likeness)
-
-    def _place(self, frame: Frame, aim: Aim, gated: Gated) -> tuple[Floats, NDArray[np.intp]]:
-        """Return the evidence of place, (2, n, m), and the row of the place it is of.
-
-        First against another thing anywhere, then against one that stands beside. Row -1: none.
-        """
-        rows, shape = gated.rows, (len(frame.placed), len(gated.things))
-        if gated.is_plain:
-            at = np.empty(shape, dtype=np.intp)
-            at[:] = rows
-            return self._place_ratios(frame, aim, gated.columns), at
-        at = np.full(shape, -1, dtype=np.intp)
-        place = np.full((2, *shape), NEVER)
-        if len(rows):
-            ratios = self._place_ratios(frame, aim, gated.columns)
-        for places, columns in gated.turns:
-            found, old = ratios[:, :, places], place[:, :, columns]
-            better = found[0] >= old[0]
-            place[:, :, columns] = np.where(better, found, old)
-            at[:, columns] = np.where(better, rows[places], at[:, columns])
-        place[:, gated.nowhere] = 0.0
-        at[gated.nowhere] = -1
-        place[:, :, gated.placeless] = 0.0
-        return place, at
 
     def _learn(
         self,
@@ -295,7 +274,10 @@ class Matcher:
                 self.space.add_same(frame.observed.looks[i], mean, thing.look_weight)
 
     def _place_ratios(self, frame: Frame, aim: Aim, columns: Floats) -> Floats:
-        """Return the evidence of place (2, n, k) as `_place` does, NEVER out of the gate."""
+        """Return the evidence of place (2, n, k), with rows of places; NEVER out of the gate.
+
+        First against another thing anywhere, then against one that stands beside.
+        """
         parameters, (places, noise) = self._parameters, aim
         residuals = (places[:, :, None] - columns[:3, None]).reshape(3, -1)
         covariances = (noise[:, :, None] + columns[3:, None]).reshape(6, -1)
@@ -308,9 +290,7 @@ class Matcher:
         np.copyto(ratios, NEVER, where=~(squared <= parameters.gate_sigmas**2))
         return ratios.reshape(2, len(frame.placed), -1)
 
-    def _align(
-        self, frame: Frame, things: list[Known], taken: list[int], at: NDArray[np.intp]
-    ) -> bool:
+    def _align(self, frame: Frame, things: list[Known], taken: list[int], at: list[int]) -> bool:
         """Correct the frame's offset by what was recognised; say whether there was anything.
 
         Only what was seen before in another frame tells: a tentative thing may be a mistake.
@@ -322,7 +302,7 @@ class Matcher:
             for i, column in enumerate(taken)
             if column >= 0
             and things[column].seen >= self._parameters.confirm_sightings
-            and (row := int(at[i, column])) >= 0
+            and (row := at[i]) >= 0
         ]
         if not pairs:
             return False
@@ -350,18 +330,3 @@ class Matcher:
             if pose is not None and squared <= self._parameters.noise_gate:
                 summed, count = summed + squared / 3, count + 1.0
         self.residuals = summed, count
-
-
-def _turns(owners: list[int], numbers: list[int]) -> list[tuple[list[int], list[int]]]:
-    """Return the places of things, by the numbers of both: the first of each, then further ones."""
-    column = {number: k for k, number in enumerate(numbers)}
-    found: list[tuple[list[int], list[int]]] = []
-    last, turn = None, 0
-    for k, owner in enumerate(owners):  # they are by thing
-        turn = turn + 1 if owner == last else 0
-        last = owner
-        if turn == len(found):
-            found.append(([], []))
-        found[turn][0].append(k)
-        found[turn][1].append(column[owner])
-    return found

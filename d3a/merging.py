@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from d3a import likelihood
 from d3a.known import Known, Place
 from d3a.ledger import Ledger
-from d3a.likelihood import BESIDE, OTHER, VARIANCES, CategoryModel, LookModel
+from d3a.likelihood import BESIDE, OTHER, CategoryModel, LookModel
 from d3a.look_space import LookSpace
 from d3a.memory import Memory
 from d3a.neighbours import Neighbours
@@ -23,7 +23,7 @@ from d3a.parameters import Parameters
 from d3a.positions import Row
 from d3a.sightings import Interval, joined
 from d3a.store.base import StayKey
-from d3a.symmetric import added, inverse, plus, times
+from d3a.symmetric import added, inverse, minus, plus, squared, times
 
 Floats = NDArray[np.float64]
 
@@ -53,29 +53,33 @@ class Evidence:
 
     def _near(self, missed: list[Known], found: list[Known]) -> list[tuple[Known, Known]]:
         """Return the pairs that may be within each other's gate, and were never seen together."""
-        ones, others = ([t for t in each if _is_simple(t)] for each in (missed, found))
-        if not ones or not others:
-            return []
-        columns = self.memory.positions.columns
-        a, b = (columns[:, [t.places[0].row for t in each]] for each in (ones, others))
-        reach = a[VARIANCES + 3, :, None] + b[VARIANCES + 3, None]
-        reach *= self.parameters.gate_sigmas**2
-        # no pair within the gate is outside of this
-        is_near = np.logical_and.reduce((a[:3, :, None] - b[:3, None]) ** 2 <= reach, axis=0)
+        of = self.memory.positions.of
+        others = [(other, of(other.places[0])) for other in found if _is_simple(other)]
         return [
-            (ones[i], others[j])
-            for i, j in zip(*(each.tolist() for each in is_near.nonzero()), strict=True)
-            if others[j].number not in ones[i].met and others[j] is not ones[i]
+            (one, other)
+            for one in missed
+            if _is_simple(one)
+            for other, its in others
+            if other.number not in one.met
+            and other is not one
+            and self._are_near(of(one.places[0]), its)
         ]
+
+    def _are_near(self, one: Row, other: Row) -> bool:
+        """Say whether two places are within each other's gate."""
+        most = self.parameters.gate_sigmas**2
+        away, spread = minus(one.mean, other.mean), added(one.spread, other.spread)
+        if away[0] ** 2 > most * spread[0] or away[1] ** 2 > most * spread[3]:
+            return False  # outside of it along an axis alone: nearly all are
+        return squared(inverse(spread), away) <= most
 
     def _odds(self, pairs: list[tuple[Known, Known]]) -> list[tuple[float, tuple[Known, Known]]]:
         """Return the log-odds that pairs are one, of those where a look may say so."""
         if not pairs:
             return []
-        agreed, differing, squared = self._told(pairs)
+        agreed, differing = self._told(pairs)
         most = np.logaddexp(agreed, differing) + self.parameters.look_most
-        is_open = most >= self.parameters.merge_odds
-        at = (is_open & (squared <= self.parameters.gate_sigmas**2)).nonzero()[0]
+        at = (most >= self.parameters.merge_odds).nonzero()[0]
         if len(at) == 0:
             return []
         pairs = [pairs[k] for k in at.tolist()]
@@ -83,25 +87,25 @@ class Evidence:
         odds: list[float] = np.logaddexp(agreed[at] + same, differing[at] + beside).tolist()
         return list(zip(odds, pairs, strict=True))
 
-    def _told(self, pairs: list[tuple[Known, Known]]) -> tuple[Floats, Floats, Floats]:
-        """Return what category and place say of pairs, (k,), and how far apart they are, squared.
+    def _told(self, pairs: list[tuple[Known, Known]]) -> tuple[Floats, Floats]:
+        """Return what category and place say of pairs, (k,).
 
         All are at one place each. First if the names agree, then if one of them is wrong.
         """
         columns = self.memory.positions.columns
         a, b = (columns[:, [pair[k].places[0].row for pair in pairs]] for k in (0, 1))
         away = a[:3] - b[:3]
-        squared, determinant = likelihood.squared_distances(away, a[3:] + b[3:])
+        off, determinant = likelihood.squared_distances(away, a[3:] + b[3:])
         beside_m3 = self.neighbours.space_m3((away**2).sum(axis=0))
         spaces = (self.parameters.space_m3, beside_m3)
-        place, beside = likelihood.position_ratios(squared, determinant, spaces, self.parameters)
+        place, beside = likelihood.position_ratios(off, determinant, spaces, self.parameters)
         ones, others = ({pair[k].number: pair[k] for pair in pairs} for k in (0, 1))
         names = [(one.category, one.weight / one.seen) for one in ones.values()]
         evidence = self.categories.evidence(names, [other.shares for other in others.values()])
         row = {number: k for k, number in enumerate(ones)}
         column = {number: k for k, number in enumerate(others)}
         at = [row[one.number] for one, _ in pairs], [column[other.number] for _, other in pairs]
-        return evidence[0][at] + place, evidence[1][at] + beside, squared
+        return evidence[0][at] + place, evidence[1][at] + beside
 
     def _looks_told(self, pairs: list[tuple[Known, Known]]) -> Floats:
         """Return what the looks of pairs say, (2, k): against another of a kind, and one beside."""

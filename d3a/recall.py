@@ -7,7 +7,7 @@ for longest is evicted; it is fetched back by place when the robot looks there a
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -69,8 +69,11 @@ class Recall:
     # to the store
     def write(self) -> None:
         """Put what changed into the ledger."""
-        for number in sorted(self._memory.things):
-            thing = self._memory.things[number]
+        self.write_some(self._memory.things.values())
+
+    def write_some(self, things: Iterable[Known]) -> None:
+        """Put those of some things that changed into the ledger."""
+        for thing in things:
             if thing.dirty:
                 self._put(thing)
 

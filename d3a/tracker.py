@@ -222,7 +222,7 @@ class TrackerPipeline:
             likely = [other for other in each if other.row >= 0]
             if thing.row < 0 or not likely:  # one of the found ones was it
                 continue
-            self.write()
+            self._write_some([thing, *likely])
             same = never_together(thing, likely, self._ledger)
             if same is not None and not self._must_stay(thing, same):
                 was, becomes = merge(thing, same, self._memory, self._ledger, self._parameters)
@@ -279,7 +279,7 @@ class TrackerPipeline:
             if link.old.row < 0 or self._is_told(link.new):
                 continue  # the old one was itself linked just now: the next look tells
             was = (link.new.object_id, link.new.places[0].number)
-            self.write()
+            self._write_some([link.new, link.old])
             became = apply_link(link, self._memory, self._ledger, self._parameters)
             self._encounters.rename(was, (link.old.object_id, link.old.places[-1].number))
             self._events.append(became)
@@ -323,6 +323,11 @@ class TrackerPipeline:
         self._recall.write()
         self._encounters.write(self._ledger)
         self._encounters.prune()
+
+    def _write_some(self, things: list[Known]) -> None:
+        """Put all of some things into the ledger, as what is made of them is told there."""
+        self._recall.write_some(things)
+        self._encounters.write_some({thing.object_id for thing in things}, self._ledger)
 
     def flush(self) -> None:
         """End a recording: everything is written, the memory is emptied."""

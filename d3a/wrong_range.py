@@ -19,7 +19,7 @@ from d3a.compared import NEVER, Frame, Misplaced, Scoring
 from d3a.frame_offset import FrameOffset
 from d3a.known import Known, Place
 from d3a.memory import Memory
-from d3a.model import Pose
+from d3a.model import Pose, Position
 from d3a.parameters import Parameters
 from d3a.symmetric import minus
 from d3a.tier1 import Thing
@@ -96,7 +96,9 @@ class WrongRanges:
         where, noise = aimed[:, seen], noise[:, seen] + columns[3:]
         eye = np.array(minus(pose.position, offset.mean))[:, None]
         known = columns[:3]
-        sides = np.array([_side(p, m) for p, m in zip(places, known.T, strict=True)]).T
+        sides = np.array(
+            [_side(place, self._memory.positions.of(place).mean) for place in places]
+        ).T
         sizes = np.array([_size(frame, i, thing) for i, thing in pairs])
         own = self._along(where - known, noise, where - eye)
         own += _size_told(sizes, _length(where - eye), _length(known - eye))
@@ -132,19 +134,21 @@ def _wrong(beams: Floats) -> Floats:
     return beams * np.maximum(WRONG_SHARE, WRONG_LEAST_M / _length(beams))
 
 
-def _side(place: Place, mean: Floats) -> tuple[float, ...]:
+def _side(place: Place, mean: Position) -> Position:
     """Return from where a place was seen, NaN where it was seen from more than one side."""
-    beams = [mean - eye for eye in place.seen_from]
-    lengths = [float(np.linalg.norm(beam)) for beam in beams]
-    if not beams or min(lengths) == 0.0:
-        return _NOWHERE
-    first = beams[0] / lengths[0]
-    if any(first @ beam < ONE_SIDE * n for beam, n in zip(beams, lengths, strict=True)):
-        return _NOWHERE
-    return place.seen_from[-1]
+    first: Position | None = None
+    for eye in place.seen_from:
+        (x, y, z), length = minus(mean, eye), math.dist(mean, eye)
+        if length == 0.0:
+            return _NOWHERE
+        beam = x / length, y / length, z / length
+        first = beam if first is None else first
+        if first[0] * beam[0] + first[1] * beam[1] + first[2] * beam[2] < ONE_SIDE:
+            return _NOWHERE
+    return place.seen_from[-1] if place.seen_from else _NOWHERE
 
 
-_NOWHERE = (math.nan,) * 3
+_NOWHERE = (math.nan, math.nan, math.nan)
 
 
 def _size(frame: Frame, i: int, thing: Known) -> float:

@@ -68,3 +68,28 @@ def test_a_renamed_encounter_is_measured_from_its_new_first_thing() -> None:
     unmeasured = replace(one, apart=None).renamed({("a", 1): ("c", 4)})
     assert unmeasured is not None
     assert unmeasured.apart is None
+
+
+@pytest.mark.parametrize("order", [("b", "c"), ("c", "b")])
+def test_of_two_that_become_one_what_was_seen_last_goes_on(order: tuple[str, str]) -> None:
+    ledger, met = Ledger(OracleStore()), Encounters(DEFAULT)
+    for n, name in enumerate(order):
+        two = [(("a", 0), seen_at((0.0, 0.0, 0.0))), ((name, 0), seen_at((1.0, 0, 0)))]
+        met.add(FrameRef(f"f{n}", 1000 * n), two, ledger)
+    met.write_some({"b", "c"}, ledger)
+    met.rename(("c", 0), ("b", 0))
+    (record,) = met.to_state()["open"]
+    assert (record["object_a"], record["object_b"], record["end_ms"]) == ("a", "b", 1000)
+
+
+def test_only_what_changed_of_some_is_written_and_the_rest_later() -> None:
+    ledger, met = Ledger(OracleStore()), Encounters(DEFAULT)
+    names = ("a", "b", "c", "d")
+    shown = [((name, 0), seen_at((float(k), 0.0, 0.0))) for k, name in enumerate(names)]
+    met.add(FrameRef("f", 0), shown, ledger)
+    met.write_some({"a"}, ledger)
+    assert [e.object_b for e in ledger.encounters(None)] == ["b", "c", "d"]
+    met.rename(("a", 0), ("e", 0))
+    met.write(ledger)
+    written = [(e.object_a, e.object_b) for e in ledger.encounters(None)]
+    assert written == [("a", "b"), ("a", "c"), ("a", "d"), ("b", "c"), ("b", "d"), ("c", "d")]
