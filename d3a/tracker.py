@@ -389,7 +389,8 @@ class TrackerPipeline:
         self._doubts.counts = np.array(arrays["doubts"])
         self._now_ms = record["now_ms"]
         self._singles.once, self._singles.again = record["singles"]
-        self._moves.others = {kind: list(counts) for kind, counts in record["others"].items()}
+        others = record.get("others", {})  # stores of earlier releases are forgotten from too
+        self._moves.others = {kind: list(counts) for kind, counts in others.items()}
         self._moves.compared = set(record["compared"])
         self._categories.doubt = (float(arrays["doubt"][0]), float(arrays["doubt"][1]))
         self._matcher.neighbours.pairs = arrays["neighbours"].tolist()
