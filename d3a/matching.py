@@ -15,13 +15,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from d3a import likelihood
+from d3a.checkpoint import Arrays
 from d3a.compared import NEVER, Aim, Assigned, Frame, Gated, Scoring
 from d3a.frame_offset import FrameOffset
 from d3a.known import Known, Place
 from d3a.likelihood import BESIDE, OTHER, SAME, VARIANCES, CategoryModel, LookModel
 from d3a.look_space import LookSpace
 from d3a.memory import Memory
-from d3a.model import Pose
+from d3a.model import Json, Pose
 from d3a.neighbours import REACH_M, Neighbours, beside
 from d3a.observed import Observed
 from d3a.parameters import Parameters
@@ -330,3 +331,29 @@ class Matcher:
             if pose is not None and squared <= self._parameters.noise_gate:
                 summed, count = summed + squared / 3, count + 1.0
         self.residuals = summed, count
+
+    def to_state(self) -> tuple[Json, Arrays]:
+        """Return all that was learned, and how far off the latest frame was."""
+        arrays: Arrays = {
+            "look_model": self.looks.sums,
+            "look_space": self.space.sums,
+            "look_counts": self.space.counts,
+            "look_scale": self.space.scale,
+            "residuals": np.array(self.residuals),
+            "neighbours": np.array(self.neighbours.pairs),
+            "looked_around": np.array([self.neighbours.seen]),
+        }
+        return {"scaled_at": self.space.scaled_at, "offset": self.offset.to_state()}, arrays
+
+    def restore(self, record: Json, arrays: Arrays) -> None:
+        """Go on where `to_state` was called."""
+        self.looks.sums = np.array(arrays["look_model"])
+        self.space.sums = np.array(arrays["look_space"])
+        self.space.counts = np.array(arrays["look_counts"])
+        self.space.scale = np.array(arrays["look_scale"])
+        self.space.scaled_at = record["scaled_at"]
+        summed, number = arrays["residuals"].tolist()
+        self.residuals = summed, number
+        self.neighbours.pairs = arrays["neighbours"].tolist()
+        self.neighbours.seen = float(arrays["looked_around"][0])
+        self.offset.restore(record["offset"])

@@ -350,25 +350,19 @@ class TrackerPipeline:
     def to_state(self) -> tuple[Json, Arrays]:
         """Return everything that `restore` needs."""
         record, arrays = self._recall.to_state()
-        arrays["look_model"] = self._matcher.looks.sums
-        arrays["look_space"] = self._matcher.space.sums
-        arrays["look_counts"] = self._matcher.space.counts
+        learned, parts = self._matcher.to_state()
+        arrays |= parts
         arrays["doubts"] = self._doubts.counts
         arrays["looked"] = self._absence.looked.rows
-        arrays["look_scale"] = self._matcher.space.scale
-        arrays["residuals"] = np.array(self._matcher.residuals)
         arrays["doubt"] = np.array(self._categories.doubt)
-        arrays["neighbours"] = np.array(self._matcher.neighbours.pairs)
-        arrays["looked_around"] = np.array([self._matcher.neighbours.seen])
+        record |= learned
         record |= {
             "next": self._next_number,
             "now_ms": self._now_ms,
             "singles": [self._singles.once, self._singles.again],
-            "scaled_at": self._matcher.space.scaled_at,
             "categories": dict(self._categories.counts),
             "compared": sorted(self._moves.compared),
             "others": self._moves.others,
-            "offset": self._matcher.offset.to_state(),
             "absence": self._absence.to_state(),
             "encounters": self._encounters.to_state(),
         }
@@ -377,15 +371,9 @@ class TrackerPipeline:
     def restore(self, record: Json, arrays: Arrays) -> None:
         """Go on where `to_state` was called."""
         self._recall.restore(record, arrays)
+        self._matcher.restore(record, arrays)
         self._doubtful = {t.number for t in self._memory.things.values() if self._is_doubtful(t)}
         self._next_number = record["next"]
-        self._matcher.looks.sums = np.array(arrays["look_model"])
-        summed, number = arrays["residuals"].tolist()
-        self._matcher.residuals = summed, number
-        self._matcher.space.sums = np.array(arrays["look_space"])
-        self._matcher.space.counts = np.array(arrays["look_counts"])
-        self._matcher.space.scale = np.array(arrays["look_scale"])
-        self._matcher.space.scaled_at = record["scaled_at"]
         self._doubts.counts = np.array(arrays["doubts"])
         self._now_ms = record["now_ms"]
         self._singles.once, self._singles.again = record["singles"]
@@ -393,9 +381,6 @@ class TrackerPipeline:
         self._moves.others = {kind: list(counts) for kind, counts in others.items()}
         self._moves.compared = set(record["compared"])
         self._categories.doubt = (float(arrays["doubt"][0]), float(arrays["doubt"][1]))
-        self._matcher.neighbours.pairs = arrays["neighbours"].tolist()
-        self._matcher.neighbours.seen = float(arrays["looked_around"][0])
         self._categories.counts.update(record["categories"])
-        self._matcher.offset.restore(record["offset"])
         self._absence.restore(record["absence"], arrays["looked"])
         self._encounters.restore(record["encounters"])
