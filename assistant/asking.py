@@ -11,7 +11,6 @@ from time import perf_counter
 from typing import Literal, cast, get_args
 from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 
-from assistant.caveats import unknown_apart
 from assistant.english import ORDINALS
 from assistant.forgotten_words import but_forgotten
 from assistant.lexicon import VocabularyLexicon
@@ -231,7 +230,7 @@ def _said(answer: Answer, query: FormalQuery, facts: Facts, now: datetime) -> An
     """
     answer, query = without_itself(answer, query), as_heard(query, facts)
     if answer.query is not None:
-        answer = unknown_apart(replace(answer, query=as_heard(answer.query, facts)))
+        answer = replace(answer, query=as_heard(answer.query, facts))
     parts = (sentence(answer, now=now), of_the_spot(query, facts), _of_its_number(answer, query))
     said = " ".join(part for part in parts if part)
     if facts.meta(FORGOTTEN):

@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 import re
-from dataclasses import replace
 
 from assistant.amounts import holds
 from assistant.conditions import gathered_words
 from assistant.english import listed, number_word, times
 from assistant.phrases import (
-    SCORE_OF_WORD,
     at_place,
     heads_of,
-    kind_of,
     likely_of,
     newest_of,
     said_many,
@@ -20,7 +17,6 @@ from assistant.phrases import (
 )
 from assistant.wording import how_sure
 from d3a.answer import Answer, RankedKeyframe, is_by_look
-from grammar import vocabulary
 from grammar.forms import ANYTHING, FormalQuery
 
 
@@ -77,26 +73,6 @@ def others_words(number: int, many: bool) -> str:
     """Return how many things as likely there are: which one is meant, they cannot tell."""
     verb = "is" if number == 1 else "are"
     return f"There {verb} {number_word(number)} more {'they' if many else 'it'} could be."
-
-
-def unknown_apart(answer: Answer) -> Answer:
-    """Return an answer whose first noun has words before it that nobody knows with these unjudged.
-
-    A blurple cup was found as a cup: what makes it blurple is left out like an attribute.
-    """
-    query = answer.query
-    if query is None or not query.objects or not answer.keyframes:
-        return answer
-    term, best = query.objects[0], answer.keyframes[0]
-    lead, _, head = term.word.rpartition(" ")
-    words = vocabulary.lexicon()
-    known = term.word in words.nouns or any(word in words.places for word in (lead, head))
-    if not lead or known or head != kind_of(best) or best.why.get("match", 1.0) >= SCORE_OF_WORD:
-        return answer
-    plain = replace(term, category=head, word=head, attributes=(*term.attributes, lead))
-    objects = (plain, *query.objects[1:])
-    unjudged = tuple(dict.fromkeys((lead, *answer.unjudged)))
-    return replace(answer, query=replace(query, objects=objects), unjudged=unjudged)
 
 
 def left_out(answer: Answer) -> str:

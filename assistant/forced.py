@@ -7,13 +7,17 @@ from dataclasses import replace
 from assistant.english import listed
 from assistant.phrases import described
 from d3a.answer import Answer
+from grammar import vocabulary
 from grammar.forms import ANYTHING, FormalQuery, ObjectTerm
 
 
 def as_judged(answer: Answer, query: FormalQuery) -> FormalQuery:
-    """Return the query without what the forced rung did not look at: looks, or kinds too."""
+    """Return the query without what was not looked at: by a forced rung looks, or kinds too.
+
+    Of a blurple cup the cup was: `unjudged` has what nobody knows of its noun.
+    """
     if answer.precision not in ("category", "any"):
-        return query
+        return replace(query, objects=tuple(_heard(term, answer) for term in query.objects))
     is_any = answer.precision == "any"
     return replace(query, objects=tuple(_bare(term, is_any=is_any) for term in query.objects))
 
@@ -23,10 +27,10 @@ def not_judged(answer: Answer) -> str:
     if answer.query is None or answer.precision not in ("category", "any"):
         return ""
     if answer.precision == "any":
-        asked = [described(term) for term in _terms(answer.query) if not _is_plain(term)]
+        asked = [described(term) for term in answer.query.terms if not _is_plain(term)]
         opening = "This is about anything that I saw"
     else:
-        terms = _terms(answer.query)
+        terms = answer.query.terms
         asked = [w for t in terms for w in (*t.attributes, *(f"not {each}" for each in t.without))]
         opening = "This is about the category alone"
     quoted = listed([f"“{words}”" for words in dict.fromkeys(asked)])
@@ -43,15 +47,11 @@ def not_taught(answer: Answer, query: FormalQuery, term: ObjectTerm) -> str:
     )
 
 
-def _terms(query: FormalQuery) -> list[ObjectTerm]:
-    """Return the objects of a query and what describes them."""
-    out: list[ObjectTerm] = []
-    for term in query.objects:
-        inner: ObjectTerm | None = term
-        while inner is not None:
-            out.append(inner)
-            inner = inner.where.object if inner.where is not None else None
-    return out
+def _heard(term: ObjectTerm, answer: Answer) -> ObjectTerm:
+    lead, _, head = term.word.rpartition(" ")
+    if not lead or lead not in answer.unjudged:
+        return term
+    return replace(term, category=vocabulary.canonical(head), word=head)
 
 
 def _is_plain(term: ObjectTerm) -> bool:

@@ -31,6 +31,10 @@ class VocabularyLexicon:
         """Return whether a word names a part of a thing: handle, lid."""
         return word in lexicon().parts
 
+    def unlisted_lead(self, word: str) -> str:
+        """Return what stands before the head of a compound that is in no list, "" for none."""
+        return vocabulary.unlisted_lead(word)
+
     def nearest(self, word: str, among: Sequence[str]) -> Sequence[str]:
         """Return up to three words like `word`: of one kind with it first, then by spelling.
 

@@ -25,7 +25,7 @@ HELP = """Type a question, and Enter. Also:
 SHOWN = 3
 _WORDS = ("more", "undo")
 """Commands that need no slash here, beside those that need none anywhere."""
-_SAYINGS = tuple(name for name, (action, _) in COMMANDS.items() if action.startswith("say("))
+_SAYINGS = tuple(name for name, command in COMMANDS.items() if command.says)
 _HERE = ("help", "more", "why", "box", *_SAYINGS, "quit")
 
 
@@ -57,7 +57,7 @@ class PlainChat:
 
     def _do(self, word: str, typed: str) -> bool:
         """Do what a command names; False when the person is done."""
-        action = COMMANDS[word][0] if word in COMMANDS else ""
+        command = COMMANDS.get(word)
         if word in ("quit", "exit"):
             return False
         if word == "help":
@@ -70,9 +70,9 @@ class PlainChat:
             self._reply(word, typed)
         elif word == "box":
             self._say(f"Answer: {BOX_USAGE}")
-        elif action.startswith("say("):
-            self._reply(action[len("say('") : -len("')")])
-        elif action:
+        elif command is not None and command.says:
+            self._reply(command.says)
+        elif command is not None:
             self._say(f"Answer: /{word} needs the full screen. Here: {slashed(_HERE)}")
         else:
             self._say(f"Answer: {unknown(word, _HERE)}")

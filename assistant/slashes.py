@@ -3,26 +3,39 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from typing import NamedTuple
+
+
+class Command(NamedTuple):
+    """What a word after a slash does. tells: in words. action: of the full screen, by its name.
+
+    says: the sentence that it stands for, as if it were typed; then it has no action.
+    """
+
+    tells: str
+    action: str = ""
+    says: str = ""
+
 
 COMMANDS = {
-    "help": ("help", "Keys and examples"),
-    "picture": ("picture", "The whole picture of the chosen keyframe"),
-    "map": ("map", "Rooms, places, the robot"),
-    "speak": ("speak", "The answer aloud; again: stop"),
-    "large": ("large", "The answer in few, spaced lines"),
-    "save": ("save", "The answer as a Markdown card and as JSON, its picture as PNG"),
-    "why": ("why", "Formal query, parts of the score, plan, native queries"),
-    "copy": ("copy_answer", "The answer, to the clipboard"),
-    "wrong": ("say('not this one')", "Not this one: the next best"),
-    "mine": ("say('this is mine')", "The chosen thing is mine"),
-    "other": ("say('that is not the same')", "The chosen thing is another one than the rest"),
-    "undo": ("say('undo')", "Take back what was taught last"),
-    "taught": ("say('what did I teach you?')", "What was taught so far"),
-    "forget": ("forget", "Wipe the questions of this and earlier chats"),
-    "theme": ("change_theme", "Light, dark, high contrast"),
-    "quit": ("quit", "Leave the chat"),
+    "help": Command("Keys and examples", "help"),
+    "picture": Command("The whole picture of the chosen keyframe", "picture"),
+    "map": Command("Rooms, places, the robot", "map"),
+    "speak": Command("The answer aloud; again: stop", "speak"),
+    "large": Command("The answer in few, spaced lines", "large"),
+    "save": Command("The answer as a Markdown card and as JSON, its picture as PNG", "save"),
+    "why": Command("Formal query, parts of the score, plan, native queries", "why"),
+    "copy": Command("The answer, to the clipboard", "copy_answer"),
+    "wrong": Command("Not this one: the next best", says="not this one"),
+    "mine": Command("The chosen thing is mine", says="this is mine"),
+    "other": Command("The chosen thing is another one than the rest", says="that is not the same"),
+    "undo": Command("Take back what was taught last", says="undo"),
+    "taught": Command("What was taught so far", says="what did I teach you?"),
+    "forget": Command("Wipe the questions of this and earlier chats", "forget"),
+    "theme": Command("Light, dark, high contrast", "change_theme"),
+    "quit": Command("Leave the chat", "quit"),
 }
-"""By name: the action, and what it does. `say` stands for typing the sentence."""
+"""What may be typed after a slash, by name."""
 BARE = frozenset({"help", "quit", "exit", "why"})
 """Those that need no slash: no question is one of these words."""
 BOX_USAGE = "Say its edges too, in pixels of the picture: /box LEFT TOP RIGHT BOTTOM"

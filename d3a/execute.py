@@ -22,7 +22,7 @@ from d3a.changes import missing, moved, usual
 from d3a.conclude import conclude
 from d3a.facts import Facts
 from d3a.lookalikes import later_names
-from d3a.match import Candidate, Lexicon, in_room, rungs
+from d3a.match import Candidate, Lexicon, in_room, rungs, unheard
 from d3a.miscalled import without_miscalled
 from d3a.moments import Found
 from d3a.parameters import Parameters
@@ -160,6 +160,10 @@ def _find_objects(run: Run, step: FindObjects) -> None:
             if other is None or other.match < candidate.match:
                 best[candidate.record.object_id] = candidate
         found, known = [best[name] for name in sorted(best)], known or known_within
+    elif words := unheard(
+        step, found, rungs(step, run.facts.categories(), run.lexicon), run.lexicon
+    ):
+        run.leave_out(words)
     found = _not_theirs(run, step, found)
     table = Found({c.record.object_id: c for c in found})
     table.known = known

@@ -46,6 +46,10 @@ class Lexicon(Protocol):
         """Return whether a word names a part of a thing: handle, lid."""
         ...
 
+    def unlisted_lead(self, word: str) -> str:
+        """Return what stands before the head of a compound that is in no list: contract folder."""
+        ...
+
     def nearest(self, word: str, among: Sequence[str]) -> Sequence[str]:
         """Return up to three words of `among` that are like it, best first."""
         ...
@@ -94,6 +98,22 @@ def rungs(step: FindObjects, categories: Sequence[str], lexicon: Lexicon) -> dic
         elif own in broader:
             worth[category] = BROADER
     return worth
+
+
+def unheard(
+    step: FindObjects, found: Sequence[Candidate], worth: Mapping[str, float], lexicon: Lexicon
+) -> str:
+    """Return the words before a noun that nothing was found by: blurple, where there are cups.
+
+    They may describe it or name a kind of it; either way nobody knows what they say.
+    """
+    lead = lexicon.unlisted_lead(step.word) if " " in step.word else ""
+    head = lexicon.canonical(step.word.rpartition(" ")[2])
+    by_head = any(lexicon.canonical(category) == head for category in worth)
+    known = any(own >= SYNONYM for own in worth.values())
+    return (
+        lead if by_head and not known and not any(is_named(c.record, step) for c in found) else ""
+    )
 
 
 def candidates(

@@ -242,7 +242,8 @@ def numbers_unjudged(query: FormalQuery) -> tuple[ObjectTerm, ...]:
     together = query.relation is not None and query.relation.kind == "together"
     several = query.relation is None and len(query.objects) > 1
     judges = query.ask == "whether" and not together and not several
-    return tuple(term for term in query.objects[1 if judges else 0 :] if term.bound != "least")
+    judged = query.objects[:1] if judges else ()
+    return tuple(t for t in query.terms if t.bound != "least" and t not in judged)
 
 
 def _relate(query: FormalQuery, names: tuple[str, ...], negated: bool) -> Relate | Gather:

@@ -172,10 +172,7 @@ class Run:
         name, *deeper = var.split(".")
         objects = self.query.objects or (ObjectTerm(ANYTHING),)
         term = next(term for term in objects if term.var == name)
-        for _ in deeper:
-            assert term.where is not None
-            term = term.where.object
-        return term
+        return [*term.chain()][len(deeper)]
 
     def relation_words(self, step: Relate | Unite, terms: Sequence[ObjectTerm]) -> str:
         """Return a relation as said: "on the desk"; among things of one kind its name alone."""

@@ -6,7 +6,7 @@ a `FormalQuery` is the record that carries any of them, with what the paper's no
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime, timedelta, timezone
 from typing import Any, Literal, cast, get_args
@@ -97,6 +97,13 @@ class ObjectTerm:
             raise FormError("an object has an empty category; it must be a noun")
         if not self.word:
             object.__setattr__(self, "word", self.category)
+
+    def chain(self) -> Iterator[ObjectTerm]:
+        """Yield the object, what describes it, and what describes that."""
+        term: ObjectTerm | None = self
+        while term is not None:
+            yield term
+            term = term.where.object if term.where is not None else None
 
     def to_json(self) -> Json:
         """Return the JSON record of formal-query, every field present.
@@ -215,6 +222,11 @@ class FormalQuery:
             for i, term in enumerate(self.objects)
         )
         object.__setattr__(self, "objects", named)
+
+    @property
+    def terms(self) -> tuple[ObjectTerm, ...]:
+        """The objects, each followed by what describes it."""
+        return tuple(term for each in self.objects for term in each.chain())
 
     @property
     def formal(self) -> str:

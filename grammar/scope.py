@@ -268,11 +268,7 @@ def _refuse_leftover_time(
     text: str, found: FormalQuery, rest: list[Word], lexicon: Lexicon
 ) -> None:
     """Raise NotUnderstood for a word of time that no time took in: it must not go unheard."""
-    terms = list(found.objects)
-    for term in terms:
-        if term.where is not None:
-            terms.append(term.where.object)
-    for i, term in enumerate(terms):
+    for i, term in enumerate(found.terms):
         head = term.word.rpartition(" ")[2]
         timed = head in _CLOCK_WORDS or (i > 0 and head in _TIMES)
         if timed and term.word not in lexicon.nouns:

@@ -23,7 +23,7 @@ from textual.widgets import Input
 
 from assistant.protocols import Kind
 from assistant.session import Session, told
-from assistant.slashes import BOX_USAGE, COMMANDS, bare, unknown
+from assistant.slashes import BOX_USAGE, COMMANDS, Command, bare, unknown
 from assistant.speaking import Voice
 from assistant.terminal import clean
 from assistant.ui.chat import ChatScreen
@@ -236,7 +236,7 @@ class ChatApp(App[None], inherit_bindings=False):
 
     def _do(self, word: str) -> None:
         if word in COMMANDS:
-            self._run(COMMANDS[word][0])
+            self._run(COMMANDS[word])
         else:
             words = BOX_USAGE if word == "box" else unknown(word, [*COMMANDS, "box"])
             self.notify(words, markup=False)
@@ -349,10 +349,6 @@ class ChatApp(App[None], inherit_bindings=False):
         text = self._answer.answer or self._answer.message or ""
         self.notify(self._voice.say(text), markup=False)
 
-    def action_say(self, text: str) -> None:
-        """Say what a command stands for, as if it were typed."""
-        self.ask(text)
-
     def action_stop(self) -> None:
         """Stop waiting for the running question, else go back to the question line."""
         if self._waiting:
@@ -377,8 +373,12 @@ class ChatApp(App[None], inherit_bindings=False):
 
     def get_system_commands(self, screen: Screen[object]) -> Iterable[SystemCommand]:
         """List the commands of the palette, the same that a slash names."""
-        for name, (action, what) in COMMANDS.items():
-            yield SystemCommand(name.capitalize(), what, partial(self._run, action))
+        for name, command in COMMANDS.items():
+            yield SystemCommand(name.capitalize(), command.tells, partial(self._run, command))
 
-    def _run(self, action: str) -> None:
-        self.call_later(self.run_action, action)
+    def _run(self, command: Command) -> None:
+        """Do what a command names, or ask what it says as if it were typed."""
+        if command.says:
+            self.call_later(self.ask, command.says)
+        else:
+            self.call_later(self.run_action, command.action)

@@ -11,6 +11,7 @@ from grammar.vocabulary.words import (
     plural,
     singular,
     synonyms,
+    unlisted_lead,
 )
 
 __all__ = [
@@ -23,4 +24,5 @@ __all__ = [
     "plural",
     "singular",
     "synonyms",
+    "unlisted_lead",
 ]

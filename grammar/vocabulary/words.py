@@ -21,6 +21,17 @@ def narrower(category: str) -> tuple[str, ...]:
     return lexicon().narrower(canonical(category))
 
 
+def unlisted_lead(noun: str) -> str:
+    """Return what stands before the head of a compound that no list has: `blurple` of a cup.
+
+    Empty for one that is listed, whose head is not, or that begins with a place.
+    """
+    words = lexicon()
+    lead, _, head = noun.rpartition(" ")
+    listed = noun in words.nouns or head not in words.nouns or lead in words.places
+    return "" if listed else lead
+
+
 def synonyms(category: str) -> tuple[str, ...]:
     """Return the other words for a category, in file order."""
     return lexicon().synonyms(canonical(category))

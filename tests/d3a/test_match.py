@@ -6,7 +6,18 @@ from dataclasses import replace
 
 import pytest
 
-from d3a.match import BROADER, EXACT, NARROWER, SYNONYM, candidates, in_room, is_named, rungs
+from d3a.match import (
+    BROADER,
+    EXACT,
+    NARROWER,
+    SYNONYM,
+    Candidate,
+    candidates,
+    in_room,
+    is_named,
+    rungs,
+    unheard,
+)
 from d3a.plan import FindObjects, Precision
 from d3a.store.base import ObjectRecord, TaughtName
 from tests.worlds.made import Words
@@ -112,3 +123,21 @@ def test_named_needs_the_asked_owner() -> None:
     assert is_named(hers, find("key", owner="anna"))
     assert is_named(hers, find("key"))
     assert not is_named(hers, find("key", owner="ben"))
+
+
+@pytest.mark.parametrize(
+    ("word", "worth", "names", "said"),
+    [
+        ("blurple cup", {"cup": BROADER}, (), "blurple"),
+        ("blurple cup", {"cup": BROADER, "blurple cup": EXACT}, (), ""),
+        ("blurple cup", {"drinkware": BROADER}, (), ""),
+        ("blurple cup", {"cup": BROADER}, (TaughtName("blurple cup", None),), ""),
+        ("coffee cup", {"cup": BROADER}, (), ""),
+        ("cup", {"cup": EXACT}, (), ""),
+    ],
+)
+def test_what_nobody_knows_of_a_noun_is_told(
+    word: str, worth: dict[str, float], names: tuple[TaughtName, ...], said: str
+) -> None:
+    found = [Candidate(record("a", "cup", (), *names), 1.0)]
+    assert unheard(find(word), found, worth, Words()) == said

@@ -284,6 +284,13 @@ def test_a_question_does_not_look_formal() -> None:
     assert not notation.looks_formal("Where is the cup?")
 
 
+def test_objects_are_walked_with_what_describes_them() -> None:
+    lamp = ObjectTerm("lamp")
+    table = ObjectTerm("table", where=Where("near", ObjectTerm("door", where=Where("on", lamp))))
+    query = FormalQuery("", "Q2", "whether", (ObjectTerm("cup"), table), Relation("on"))
+    assert [term.category for term in query.terms] == ["cup", "table", "door", "lamp"]
+
+
 def test_a_parsed_question_survives() -> None:
     query = parse("were Anna's keys next to the blue bag in the hall on tuesday evening", now=NOW)
     assert notation.read(notation.write(query), now=NOW) == query

@@ -22,6 +22,7 @@ from grammar.vocabulary import (
     plural,
     singular,
     synonyms,
+    unlisted_lead,
 )
 
 NOW = datetime.fromisoformat("2026-05-14T20:30:00+01:00")
@@ -259,3 +260,18 @@ def test_a_verb_or_a_look_stays_one(text: str, word: str) -> None:
 def test_no_thing_stays_none(text: str) -> None:
     with pytest.raises(QuestionError):
         parse(text, now=NOW)
+
+
+@pytest.mark.parametrize(
+    ("noun", "lead"),
+    [
+        ("blurple cup", "blurple"),
+        ("dark blurple cup", "dark blurple"),
+        ("coffee table", ""),
+        ("kitchen cup", ""),
+        ("cup", ""),
+        ("blurple thingamajig", ""),
+    ],
+)
+def test_what_stands_before_the_head_of_an_unlisted_compound(noun: str, lead: str) -> None:
+    assert unlisted_lead(noun) == lead

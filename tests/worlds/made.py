@@ -251,6 +251,9 @@ class Words:
     def narrower(self, category: str) -> Sequence[str]:
         return tuple(word for word, wide in self.wider.items() if category in wide)
 
+    def unlisted_lead(self, word: str) -> str:
+        return word.rpartition(" ")[0] if word.startswith("blurple ") else ""
+
     def is_part(self, word: str) -> bool:
         return word in ("handle", "lid")
 
