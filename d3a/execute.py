@@ -160,10 +160,10 @@ def _find_objects(run: Run, step: FindObjects) -> None:
             if other is None or other.match < candidate.match:
                 best[candidate.record.object_id] = candidate
         found, known = [best[name] for name in sorted(best)], known or known_within
-    elif words := unheard(
-        step, found, rungs(step, run.facts.categories(), run.lexicon), run.lexicon
-    ):
-        run.leave_out(words)
+    elif " " in step.word:
+        worth = rungs(step, run.facts.categories(), run.lexicon)
+        if words := unheard(step, found, worth, run.lexicon):
+            run.leave_out(words)
     found = _not_theirs(run, step, found)
     table = Found({c.record.object_id: c for c in found})
     table.known = known

@@ -107,7 +107,7 @@ def unheard(
 
     They may describe it or name a kind of it; either way nobody knows what they say.
     """
-    lead = lexicon.unlisted_lead(step.word) if " " in step.word else ""
+    lead = lexicon.unlisted_lead(step.word)
     head = lexicon.canonical(step.word.rpartition(" ")[2])
     by_head = any(lexicon.canonical(category) == head for category in worth)
     known = any(own >= SYNONYM for own in worth.values())
