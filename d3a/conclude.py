@@ -98,7 +98,8 @@ def keyframe(
     position = stay.position if stay is not None else None
     absent = stay.last_absent_ms if stay is not None else None
     gone = absent if absent is not None and absent > sighting.end_ms else None
-    start, end = _moment(run, sighting.start_ms), _moment(run, sighting.end_ms)
+    start = _moment(run, sighting.start_ms)
+    end = start if sighting.end_ms == sighting.start_ms else _moment(run, sighting.end_ms)
     assert start is not None
     assert end is not None
     spot = run.spot(entry)

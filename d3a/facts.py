@@ -169,13 +169,13 @@ class Facts:
 
     def stays(self, ids: Sequence[str]) -> dict[StayKey, StayRecord]:
         """Return where the objects lay, by (object_id, place)."""
-        known = {name: self._known.stays.get(name, None) for name in ids}
-        unknown = [name for name, stays in known.items() if stays is None]
+        known = self._known.stays.several(ids)
+        unknown = [name for name in ids if name not in known]
         if unknown:
             for name, read in _by_object(unknown, self.store.stays(object_ids=unknown)).items():
                 known[name] = read
                 self._known.stays.put(name, read, len(read))
-        return {stay.key: stay for stays in known.values() for stay in stays or ()}
+        return {(s.object_id, s.place): s for name in ids for s in known[name]}
 
     def stays_of(
         self, sightings: Sequence[Sighting], *, whole: bool = False

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from threading import Lock
 from typing import Generic, TypeVar
 
@@ -30,6 +31,18 @@ class Kept(Generic[K, V]):
                 return missing
             self._values[key] = found
             return found[0]
+
+    def several(self, keys: Iterable[K]) -> dict[K, V]:
+        """Return the values of those of some keys that are kept, as `get` does, all at once."""
+        found: dict[K, V] = {}
+        values = self._values
+        with self._lock:
+            for key in keys:
+                kept = values.pop(key, None)
+                if kept is not None:
+                    values[key] = kept
+                    found[key] = kept[0]
+        return found
 
     def put(self, key: K, value: V, size: int) -> None:
         """Keep a value of a size, in place of those that were not asked for longest."""

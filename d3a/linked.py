@@ -40,11 +40,10 @@ class Link(NamedTuple):
         """Return figure and ground as sightings, those of the shared frame where there is one."""
         if self.sightings is not None:
             return self.sightings
-        assert self.encounter is not None
-        boxes = self.boxes()
-        return _seen(self.encounter, self.figure, boxes[0]), _seen(
-            self.encounter, self.ground, boxes[1]
-        )
+        e = self.encounter
+        assert e is not None
+        own, other = self.boxes()
+        return _seen(e, self.figure, own), _seen(e, self.ground, other)
 
     def boxes(self) -> tuple[Box, Box]:
         """Return the boxes of figure and ground in the shared frame, NaN without one."""

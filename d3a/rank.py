@@ -64,7 +64,7 @@ class Ranked(NamedTuple):
             extra["calibration"] = round(self.calibration, 4)
         if self.repeat < 1.0:
             extra["repeat"] = round(self.repeat, 4)
-        return tuple(entry_parts(entry) | extra for entry in self.moment.entries)
+        return tuple([entry_parts(entry) | extra for entry in self.moment.entries])
 
 
 def rank(
@@ -116,21 +116,24 @@ def entry_score(entry: Entry) -> tuple[float, Json]:
 
 def entry_parts(entry: Entry) -> Json:
     """Return the parts of how likely one entry is what was asked."""
-    candidate, stay = entry.candidate, entry.stay
+    candidate, stay, sighting, place, held = entry
+    asked = candidate.attributes
     why: Json = {
         "match": round(candidate.match, 4),
-        "attributes": {word: round(p, 4) for word, p in candidate.attributes.items()},
-        "detection": round(entry.sighting.probability, 4),
-        "views": stay.seen if stay is not None else entry.sighting.seen,
+        "attributes": {word: round(p, 4) for word, p in asked.items()} if asked else {},
+        "detection": round(sighting.probability, 4),
+        "views": stay.seen if stay is not None else sighting.seen,
     }
     if _is_tentative(entry):
         why["tentative"] = TENTATIVE
     if candidate.votes < 1.0:
         why["votes"] = round(candidate.votes, 4)  # it is in the match already
-    factors = (("same", candidate.same), ("place", entry.place), ("where", entry.held))
-    for name, factor in factors:
-        if factor < 1.0:
-            why[name] = round(factor, 4)
+    if candidate.same < 1.0:
+        why["same"] = round(candidate.same, 4)
+    if place < 1.0:
+        why["place"] = round(place, 4)
+    if held < 1.0:
+        why["where"] = round(held, 4)
     return why
 
 
@@ -193,7 +196,7 @@ def _ids(moment: Moment) -> tuple[str, ...]:
 
 
 def _places(moment: Moment) -> tuple[tuple[str, int], ...]:
-    return tuple(entry.sighting.stay for entry in moment.entries)
+    return tuple([entry.sighting.stay for entry in moment.entries])  # quicker than lazily
 
 
 def _spread(scored: Sequence[Ranked], told: int) -> list[Ranked]:
@@ -290,7 +293,8 @@ def _covering(scored: Sequence[Ranked]) -> list[Ranked]:
 def _at_most(one: Ranked, ceiling: float) -> Ranked:
     if one.score <= ceiling:
         return one
-    return one._replace(score=ceiling, repeat=ceiling / one.score)
+    repeat = ceiling / one.score  # by position: there are hundreds of them
+    return Ranked(one.moment, ceiling, one.unjudged, repeat, one.calibration, one.product)
 
 
 def _distance(moment: Moment, at_ms: int) -> tuple[int, int]:

@@ -191,9 +191,10 @@ class Run:
         """Return where an entry was, as a person is told; worked out once a stay."""
         if entry.stay is None:
             return Spot()
-        if entry.stay.key not in self._spots:
+        key = entry.stay.key
+        if key not in self._spots:
             self.find_spots([entry])
-        return self._spots[entry.stay.key]
+        return self._spots[key]
 
     def find_spots(self, entries: Sequence[Entry]) -> None:
         """Work out where entries were, all at once."""

@@ -8,7 +8,8 @@ and 95th percentile in ms over all questions and rounds, the slowest questions, 
 questions a second a batch answers. --naive fills a second store of the same world, in which every
 detection is an object (the paper's Naive, with every index that ours has), and prints how much
 longer retrieval and ranking of all keyframes take on it at the rung Category, beside how many
-keyframes either tells.
+keyframes either tells; and what the same takes over one table of the detections by hand-written
+SQL (`tests.bench.one_table`).
 """
 
 from __future__ import annotations
@@ -38,6 +39,7 @@ from d3a.readers.opening import open_source
 from d3a.simulate import simulate
 from d3a.store import open_store
 from d3a.store.base import Store
+from tests.bench import one_table
 from tests.bench.bench_scale import now_of, say
 
 QUESTIONS = (
@@ -100,6 +102,8 @@ def main() -> None:
                 with closing(open_store(str(Path(folder) / "naive.db"))) as naive:
                     fill_naive(open_source(world), naive)
                     against_naive(store, naive, given.rounds)
+                    table = Path(folder) / "detections.db"
+                    against_sql(store, naive, table, given.rounds)
 
 
 def measure(store: Store, rounds: int, batch: int) -> None:
@@ -179,6 +183,26 @@ def against_naive(store: Store, naive: Store, rounds: int) -> None:
         )
         each = [_each([pair[k] for pair in pairs]) for k in (0, 1)]
         say(f"           processor: ours {each[0]}, theirs {each[1]}")
+
+
+def against_sql(store: Store, naive: Store, file: Path, rounds: int) -> None:
+    """Print what all keyframes of the same questions take over one table of detections."""
+    now, parameters = now_of(store), store_parameters(store)
+    with closing(one_table.fill(file, naive)) as table:
+        ratios, asked = [], []
+        for question in COMPARED:
+            query = read_question(store, question, now=now)
+            spent, told = [], 0
+            for _ in range(rounds + 1):
+                worked = time.process_time()
+                told = len(one_table.ask(table, query, now, parameters))
+                spent.append((time.process_time() - worked) * 1000)
+            asked.append(Retrieved(float(np.median(spent[1:])), told))
+            ours = _retrieved(store, question, now, rounds, anew=False)
+            ratios.append(asked[-1].ms / ours.ms)
+    times = " ".join(f"{one.ms:.2f} ({one.told})" for one in asked)
+    say(f"one table of detections, SQL by hand, ms (keyframes): {times}")
+    say(f"  {float(np.median(ratios)):.1f} x ours is the median; processor: {_each(asked)}")
 
 
 def _ratio(ours: int, theirs: int) -> str:

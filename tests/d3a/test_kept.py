@@ -17,6 +17,15 @@ def test_what_was_not_asked_for_longest_goes_first() -> None:
     assert [kept.get(name, None) for name in "abcd"] == [1, None, 3, 4]
 
 
+def test_several_are_asked_for_as_one_by_one() -> None:
+    kept: Kept[str, int] = Kept(3)
+    for name, number in (("a", 1), ("b", 2), ("c", 3)):
+        kept.put(name, number, 1)
+    assert kept.several(["b", "x", "a"]) == {"b": 2, "a": 1}
+    kept.put("d", 4, 1)  # c was not asked for longest
+    assert kept.several("abcd") == {"a": 1, "b": 2, "d": 4}
+
+
 def test_what_is_larger_than_the_room_drives_nothing_out() -> None:
     kept: Kept[str, int] = Kept(3)
     kept.put("small", 1, 2)
