@@ -6,6 +6,7 @@ import re
 
 from assistant.amounts import holds
 from assistant.conditions import gathered_words
+from assistant.each import asks_for_each
 from assistant.english import listed, number_word, times
 from assistant.phrases import (
     at_place,
@@ -45,6 +46,8 @@ def sureness(answer: Answer, query: FormalQuery) -> str:
     said = "This is a guess" if band == "a guess" else f"I am {band}"
     rivals = [k for k in heads_of(answer)[1:] if k.object_id != best.object_id]
     close = [k for k in rivals if k.score >= 0.8 * best.score]
+    if query.ask == "where" and query.select == "last" and asks_for_each(answer, query):
+        return ""  # where each is
     if query.ask == "where" and close and not gathered_words(answer, query):
         return others_words(len({k.object_id for k in close}), said_many(query, term_of(query)))
     return f"{said}: {_seen(answer, query, best)}."

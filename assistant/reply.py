@@ -14,6 +14,7 @@ from datetime import datetime
 from assistant.amounts import amount_words
 from assistant.caveats import is_open, left_out, sureness
 from assistant.conditions import condition_words, gathered_words
+from assistant.each import asks_for_each, where_each_is
 from assistant.english import (
     article,
     clock,
@@ -136,6 +137,8 @@ def _where(answer: Answer, query: FormalQuery, now: datetime) -> str:
     if query.relation is None and len(query.objects) > 1:
         return _where_each(answer, query, now)
     words = _the_thing(answer, query)
+    if query.select == "last" and asks_for_each(answer, query):
+        return where_each_is(answer, query, _the_thing(answer, query), now)
     where, last = where_words(best, query), "last " if query.select == "last" else ""
     first = "first " if query.select == "first" else ""
     many = said_many(query, term)

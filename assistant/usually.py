@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from dataclasses import replace
 
 from assistant.caveats import others_words
-from assistant.english import is_many, listed, number_word
+from assistant.each import asks_for_each, each_words, spot_words
+from assistant.english import listed
 from assistant.phrases import (
     definite,
     found_words,
     heads_of,
     kind_of,
     left_with,
-    said_many,
     term_of,
-    where_words,
 )
 from assistant.wording import NOT_SURE
 from d3a.answer import Answer, RankedKeyframe
@@ -38,11 +36,11 @@ def usual_words(answer: Answer, query: FormalQuery) -> str:
         return " ".join(usual_words(part, each) for part, each in parts if part.keyframes)
     term = term_of(query)
     thing = definite(term, found_words(answer, query))
-    if said_many(query, term) and not is_many(term.word) and answer.least > 1:
+    if asks_for_each(answer, query):
         return _of_each(answer, query, thing)
     best = answer.keyframes[0].object_id
     own = [k for k in heads_of(answer) if k.object_id == best]
-    spots = [f"{_spot(k, query)} ({round(100 * _share(k))} %)" for k in own[:_SPOTS]]
+    spots = [f"{spot_words(k, query)} ({round(100 * _share(k))} %)" for k in own[:_SPOTS]]
     if sum(_share(k) for k in own) < _LEAST_WHOLE:
         others = "Of the rest I cannot be sure: what I saw elsewhere may be the same."
         return f"I saw {thing} {listed(spots)}. {others}"
@@ -79,21 +77,9 @@ def _of_each(answer: Answer, query: FormalQuery, thing: str) -> str:
         if _share(keyframe) > _share(kept):
             best[keyframe.object_id] = keyframe
     likely = [k for k in best.values() if k.score >= NOT_SURE * _share(k)] or [*best.values()]
-    spots = Counter(_spot(keyframe, query) for keyframe in likely).most_common()
-    counts = [(number_word(number), spot) for spot, number in spots[:_SPOTS]]
-    rest = sum(number for _, number in spots[_SPOTS:])
-    counts += [(number_word(rest), "elsewhere")] * bool(rest)
-    (first, spot), *others = counts
-    told = "; ".join([f"{first} of {thing} {spot}", *(" ".join(other) for other in others)])
-    said = f"Most of the time I saw {told}."
-    if answer.least < len(likely):  # a moved one may have got a new id
-        said += f" At least {number_word(answer.least)} of them are different things."
-    return said
+    told, certain = each_words(answer, likely, query, thing)
+    return f"Most of the time I saw {told}.{certain}"
 
 
 def _share(keyframe: RankedKeyframe) -> float:
     return float(keyframe.why.get("share", 1.0))
-
-
-def _spot(keyframe: RankedKeyframe, query: FormalQuery) -> str:
-    return where_words(keyframe, query) or "at a place that has no name"

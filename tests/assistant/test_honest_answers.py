@@ -324,6 +324,11 @@ def test_where_several_things_usually_are_is_told_of_each(two_rooms: Home) -> No
         two_rooms.thing(name, "chair")
         two_rooms.seen(name, 0, 30, at=(x, 2, 1))
         two_rooms.seen(name, 60, 90, at=(x, 2, 1))
+    assert told(two_rooms, "Where are the chairs?") == (
+        "I last saw two of the chairs in the kitchen; one in the living room, the newest today at "
+        "13:30, 6 hours ago."
+    )
+    assert told(two_rooms, "Where are the two cups?").startswith("In the living room. I last saw")
     assert told(two_rooms, "Where are the chairs usually?") == (
         "Most of the time I saw two of the chairs in the kitchen; one in the living room."
     )
