@@ -18,7 +18,7 @@ from d3a.attributes import Looks
 from d3a.colours import HISTOGRAM_SIZE, Palette, histograms, learn
 from d3a.landmarks import Landmarks, is_hollow_word, is_landmark_word, landmarks
 from d3a.match import Candidate, Lexicon, candidates, rungs
-from d3a.moments import in_slice, joined
+from d3a.moments import Found, in_slice, joined
 from d3a.parameters import DEFAULT, PROFILES, Parameters
 from d3a.plan import FindObjects
 from d3a.revision import Revision
@@ -304,6 +304,10 @@ class Facts:
             stays = self.stays([record.object_id for record in records])
             found = landmarks(records, list(stays.values()), self.regions(), lexicon)
             self._known.landmarks = found
+            self._known.carriers = Found(
+                {r.object_id: Candidate(r, 1.0) for r in records if r.object_id in found},
+                stays={stay: stays[stay] for stay in found.stays},
+            )
         return self._known.landmarks
 
     def spots(self, landmarks: Landmarks | None, near_m: float) -> Spots:
@@ -312,6 +316,11 @@ class Facts:
         if asked not in self._known.spots:
             self._known.spots[asked] = Spots(self.regions(), landmarks, near_m)
         return self._known.spots[asked]
+
+    def carriers(self, lexicon: Lexicon) -> Found:
+        """Return the same as things that others may lie on, each at the place where it stays."""
+        self.landmarks(lexicon)
+        return self._known.carriers
 
     def palette(self) -> Palette:
         """Return what the boxes of the whole store hold together and show, for colours."""
@@ -356,11 +365,11 @@ def _usual_grounds(
         )
     if kind == "in":
         return frozenset(c for c in categories if is_hollow_word(c, lexicon))
-    if kind in ("on", "above"):
+    if kind in ("on", "above", "behind", "in_front_of"):  # what is on a thing is not behind it
         return frozenset(
             category
             for category in categories
             if is_landmark_word(category, lexicon)
-            and (kind == "on" or not is_hollow_word(category, lexicon))
+            and (kind != "above" or not is_hollow_word(category, lexicon))
         )
     return frozenset()

@@ -26,6 +26,8 @@ UNMEASURED_M = 0.9
 """Half the width of a ground that nothing measured and none of its kind."""
 WIDE_M = 0.75
 """What is as wide as a table is seldom seen whole, and is longer one way than the other."""
+PART_M = 0.65
+"""And what is called a table was seen in part, if it measures but this."""
 HALF_SHARE = 0.39
 """Half the side of what is square, as a share of its width: seen from anywhere, this is on
 average 4 / pi of the side."""
@@ -41,14 +43,15 @@ LEAST_SHOWN_M = 0.3
 """A smaller part of what is wide does not tell which of its sides is seen."""
 
 
-def footprint(pairs: Pairs) -> Floats:
+def footprint(pairs: Pairs, wide_from_m: Floats | float = WIDE_M) -> Floats:
     """Return the probability that the figure stands within the ground's outline, (n,).
 
+    wide_from_m: what measures so much is wider than was seen, and longer one way than the other.
     Across the view a shared frame tells it too, without the error of the robot's place: the mean
     counts. Without a viewer it is told by the distance alone. NaN where nothing tells it.
     """
     width = pairs.extent_b[:, 0]
-    wide = soft_step(width, WIDE_M, 0.04)
+    wide = soft_step(width, wide_from_m, 0.04)
     whole = np.where(wide > 0.5, np.maximum(width, np.minimum(GROWS * width, LONG_M)), width)
     half = (1 - wide) * HALF_SHARE * width + wide * whole / 2 + RIM_M
     half = np.where(np.isnan(width), UNMEASURED_M, half)

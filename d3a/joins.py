@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from d3a import relations
+from d3a.carried import CONTACT_M, lying_on, off_each_other
 from d3a.linked import Link, agreed, pairs_of
 from d3a.model import Position
 from d3a.moments import Found
@@ -24,14 +25,14 @@ HOLDS = 0.5
 """A relation is said to hold where it is more likely than not."""
 REACH_M = 4.0
 """Things between two others may be this far from either."""
-CONTACT_M = 2.0
-"""What lies on, under, in or beside a thing is no further from its middle than this."""
 _PART = 4_000_000  # pairs compared at once: keeps the join's memory under 100 MB
 Spans = dict[StayKey, list[tuple[int, int]]]
 Rows = NDArray[np.intp]
 Intervals = NDArray[np.int64]
 STANDING: frozenset[RelationKind] = frozenset({"near", "on", "under", "in", "above", "same_place"})
 """These are between two places, whoever looks; sides are the viewer's."""
+CARRIED: frozenset[RelationKind] = frozenset({"on", "behind", "in_front_of"})
+"""For these it counts what lies on what."""
 SYMMETRIC: frozenset[RelationKind] = frozenset({"together", "near", "same_place"})
 
 
@@ -225,10 +226,12 @@ def relate(
     *,
     once: bool = False,
     usual: Collection[str] = (),
+    carriers: Found | None = None,
 ) -> Related:
     """Return where figure and ground meet, with how likely the relation held.
 
     usual: the categories of what is usual as a ground: things lie on tables, under furniture.
+    carriers: what is large and stays: what lies on one of these does not lie on another.
     """
     met = links(
         figure,
@@ -240,7 +243,12 @@ def relate(
     )
     apart = [link for link in met if kind != "together" or link.encounter is None]
     pairs = pairs_of(apart, figure, ground, usual)
+    sides = met, pairs, figure, ground, carriers or Found(), parameters
+    if kind == "on":
+        return Related(met, lying_on(*sides))
     held = relations.probability(kind, pairs, parameters)
+    if kind in CARRIED:
+        held = held * off_each_other(*sides)
     if kind == "together":  # a shared frame settles it, whatever the geometry
         told = iter(held.tolist())
         held = np.array([1.0 if link.encounter is not None else next(told) for link in met])

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from d3a.match import Lexicon
 from d3a.model import Position
 from d3a.places import holders_of
-from d3a.store.base import ObjectRecord, Region, StayRecord
+from d3a.store.base import ObjectRecord, Region, StayKey, StayRecord
 
 LANDMARK_WORDS = frozenset(
     {"furniture", "shelf", "screen", "counter", "sink", "toilet", "bathtub", "shower"}
@@ -49,12 +49,13 @@ ROUNDING_M = 1e-6
 
 @dataclass(frozen=True, slots=True)
 class Landmarks:
-    """Large static things: ids, categories as people say them, positions in metres, by id.
+    """Large static things: where each stays, categories as people say them, positions, by id.
 
-    sites: whose map each is on. rooms: the names of those that hold it; () where none does.
+    places: metres. sites: whose map each is on. rooms: the names of those that hold it; () where
+    none does.
     """
 
-    ids: tuple[str, ...]
+    stays: tuple[StayKey, ...]
     categories: tuple[str, ...]
     places: tuple[Position, ...]
     sites: tuple[str, ...]
@@ -72,7 +73,7 @@ class Landmarks:
         """Keep the positions as an array (3, n) too, which id is where, and what each room has."""
         places = np.array(self.places, dtype=np.float64).reshape(-1, 3).T
         object.__setattr__(self, "_array", places)
-        object.__setattr__(self, "_rows", {name: row for row, name in enumerate(self.ids)})
+        object.__setattr__(self, "_rows", {name: row for row, (name, _) in enumerate(self.stays)})
         names = {name for held in self.rooms for name in held}
         held = {name: np.array([name in each for each in self.rooms]) for name in names}
         object.__setattr__(self, "_held", held)
@@ -80,6 +81,10 @@ class Landmarks:
         object.__setattr__(self, "_nameless", nameless)
         mapped = {site: np.array([site == each for each in self.sites]) for site in {*self.sites}}
         object.__setattr__(self, "_mapped", mapped)
+
+    def __contains__(self, object_id: str) -> bool:
+        """Say whether a thing is one of them."""
+        return object_id in self._rows
 
     def nearest(
         self,
@@ -97,7 +102,7 @@ class Landmarks:
         """
         found: list[tuple[str, float] | None] = [None] * len(stays)
         placed = [k for k, stay in enumerate(stays) if stay.position is not None]
-        if not placed or not self.ids:
+        if not placed or not self.stays:
             return found
         positions = np.array([stays[k].position for k in placed]).T  # (3, p)
         x, y, z = positions[:, :, None] - self._array[:, None]  # (p, n) each
@@ -125,7 +130,7 @@ class Landmarks:
         return known
 
     def _reached(self, site: str, rooms: tuple[str, ...]) -> NDArray[np.bool_]:
-        nothing = np.zeros(len(self.ids), dtype=np.bool_)
+        nothing = np.zeros(len(self.stays), dtype=np.bool_)
         mapped = self._mapped.get(site, nothing)
         if not rooms or not self._held:
             return mapped
@@ -172,7 +177,7 @@ def landmarks(
             chosen.append((record, main, main.position))
     holders = holders_of(regions, [(place, main.site) for _, main, place in chosen])
     return Landmarks(
-        tuple(record.object_id for record, _, _ in chosen),
+        tuple(main.key for _, main, _ in chosen),
         tuple(lexicon.canonical(record.category) for record, _, _ in chosen),
         tuple(place for _, _, place in chosen),
         tuple(main.site for _, main, _ in chosen),

@@ -45,6 +45,13 @@ class Link(NamedTuple):
         own, other = self.boxes()
         return _seen(e, self.figure, own), _seen(e, self.ground, other)
 
+    def turned(self) -> Link:
+        """Return the same with figure and ground the other way round."""
+        seen = None if self.sightings is None else (self.sightings[1], self.sightings[0])
+        return self._replace(
+            figure=self.ground, ground=self.figure, flipped=not self.flipped, sightings=seen
+        )
+
     def boxes(self) -> tuple[Box, Box]:
         """Return the boxes of figure and ground in the shared frame, NaN without one."""
         e = self.encounter

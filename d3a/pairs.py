@@ -5,7 +5,7 @@ Relations are made of these. What is unknown of a pair is NaN, and stays so.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,7 +45,8 @@ class Pairs:
     box_a, box_b (n, 4): pixels of a frame that shows both. viewer (n, 7): the camera's pose,
     x y z qx qy qz qw. extent_a, extent_b (n, 2): width and height in metres. sigma_up (n,):
     deviation of their difference in height, metres. usual_b (n,): whether the ground is of a
-    kind that is usual for the relation: things lie on tables, stand under furniture.
+    kind that is usual for the relation: things lie on tables, stand under furniture. up: the map's
+    axis that points up and its sign.
     """
 
     position_a: Floats
@@ -58,6 +59,11 @@ class Pairs:
     extent_b: Floats
     sigma_up: Floats
     usual_b: NDArray[np.bool_]
+    up: tuple[int, float] = field(init=False)
+
+    def __post_init__(self) -> None:
+        """Find which way is up, which most of what is asked of pairs needs."""
+        object.__setattr__(self, "up", up_axis(self.viewer))
 
     def __len__(self) -> int:
         return len(self.sigma)
@@ -84,7 +90,7 @@ def placed_together(pairs: Pairs, apart: Floats) -> Pairs:
     share = np.where(known, places / (places + own), 0.0)
     missing = np.nan_to_num(apart[:, :3] - (pairs.position_b - pairs.position_a))
     moved = share[:, None] * missing / 2
-    moved[:, up_axis(pairs.viewer)[0]] = 0.0
+    moved[:, pairs.up[0]] = 0.0
     return replace(
         pairs,
         position_a=pairs.position_a - moved,
@@ -103,7 +109,7 @@ def with_middles(pairs: Pairs, things: Rows) -> Pairs:
     n = len(pairs)
     if n == 0:
         return pairs
-    eye, axis = pairs.viewer[:, :3], up_axis(pairs.viewer)[0]
+    eye, axis = pairs.viewer[:, :3], pairs.up[0]
     away = np.concatenate([pairs.position_a - eye, pairs.position_b - eye])
     away[:, axis] = 0.0
     far = np.sqrt(np.einsum("ik,ik->i", away, away))
@@ -170,11 +176,12 @@ def distance_of(pairs: Pairs, *, level: bool = False) -> Floats:
     level: in the ground plane only.
     """
     apart = pairs.position_a - pairs.position_b
-    full = np.linalg.norm(apart, axis=1)
+    full = np.einsum("ik,ik->i", apart, apart)
+    told = full
     if level:
-        axis, _ = up_axis(pairs.viewer)
-        apart = np.delete(apart, axis, axis=1)
-    return np.where(full < SAME_SPOT_M, np.nan, np.linalg.norm(apart, axis=1))
+        apart[:, pairs.up[0]] = 0.0
+        told = np.einsum("ik,ik->i", apart, apart)
+    return np.where(full < SAME_SPOT_M**2, np.nan, np.sqrt(told))
 
 
 def spread_out(pairs: Pairs) -> tuple[Floats, Floats]:
@@ -190,7 +197,7 @@ def spread_out(pairs: Pairs) -> tuple[Floats, Floats]:
 
 def rise_of(pairs: Pairs) -> Floats:
     """Return how far the figure's centre is above the ground's, metres."""
-    axis, sign = up_axis(pairs.viewer)
+    axis, sign = pairs.up
     return sign * (pairs.position_a - pairs.position_b)[:, axis]
 
 
@@ -225,7 +232,7 @@ def as_factor(evidence: Floats) -> Floats:
     return np.where(np.isnan(evidence), 1.0, evidence)
 
 
-def soft_step(x: Floats, at: float, width: float) -> Floats:
+def soft_step(x: Floats, at: Floats | float, width: float) -> Floats:
     """Return a soft step from 0 to 1 around `at`, half way there."""
     return 1.0 / (1.0 + np.exp(-np.clip((x - at) / width, -50.0, 50.0)))
 

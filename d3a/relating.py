@@ -14,7 +14,7 @@ from d3a.joined import (
     pair_moments,
     without_relation,
 )
-from d3a.joins import SYMMETRIC, Related, relate
+from d3a.joins import CARRIED, SYMMETRIC, Related, relate
 from d3a.moments import Found, Moment, common_span
 from d3a.run import Run, milliseconds
 from d3a.steps import Gather, Relate
@@ -89,8 +89,16 @@ def _related(
         )
     if finds_stays_late(run):
         find_stays_late(run, figure, ground, encounters)
-    usual = run.facts.usual_grounds(step.kind, run.lexicon)
-    return relate(step.kind, figure, ground, encounters, run.parameters, once=once, usual=usual)
+    return relate(
+        step.kind,
+        figure,
+        ground,
+        encounters,
+        run.parameters,
+        once=once,
+        usual=run.facts.usual_grounds(step.kind, run.lexicon),
+        carriers=run.facts.carriers(run.lexicon) if step.kind in CARRIED else None,
+    )
 
 
 def gather(run: Run, step: Gather) -> None:

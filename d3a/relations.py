@@ -12,7 +12,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from d3a.footprints import footprint
+from d3a.footprints import PART_M, WIDE_M, footprint
 from d3a.pairs import (
     EDGE_M,
     SAME_SPOT_M,
@@ -33,7 +33,6 @@ from d3a.pairs import (
     rise_of,
     soft_step,
     swapped,
-    up_axis,
     within,
 )
 from d3a.parameters import Parameters
@@ -71,6 +70,10 @@ UPRIGHT_M, UPRIGHT_SHARE = 0.08, 0.06
 this share of what was measured of both."""
 SIDE_M = 2.0
 """Left, right, behind and in front are said of things within this distance."""
+
+
+GROUPED = 1.2
+"""Things stand in groups: by how much this makes it likelier that two are at one place."""
 
 
 def probability(kind: RelationKind, pairs: Pairs, parameters: Parameters) -> Floats:
@@ -188,11 +191,16 @@ def _on(pairs: Pairs, _: Parameters) -> Floats:
     underside, top = _heights(pairs)
     spread = _upright(pairs)
     by_size = (
-        footprint(pairs)
+        footprint(pairs, _wide_from(pairs))
         * normal_cdf((underside + 2 * SEAT_SHARE * top) / spread)
         * normal_cdf((top + SEAT_M - underside) / spread)
     )
     return _tempered(pairs, by_box, by_size, lambda: _over_or_below(pairs, by_box, 1.0))
+
+
+def _wide_from(pairs: Pairs) -> Floats:
+    """Return from which width grounds are wider than they measure (n,), metres."""
+    return np.where(pairs.usual_b, PART_M, WIDE_M)
 
 
 def _upright(pairs: Pairs) -> Floats:
@@ -232,11 +240,13 @@ def _above(pairs: Pairs, _: Parameters) -> Floats:
     foot = height_in(pairs, pairs.box_a[:, 3])
     by_box = soft_step(overlap_x(pairs), 0.4, 0.08) * (1 - soft_step(foot, 0.75, 0.06))
     underside, top = _heights(pairs)
-    axis, sign = up_axis(pairs.viewer)
+    axis, sign = pairs.up
     eye = sign * (pairs.viewer[:, :3] - pairs.position_b)[:, axis]
     looked_down_on = pairs.usual_b & ~(EYE_SHARE * top >= eye)
     clear = np.where(looked_down_on, TOP_SHARE, 1.0)
-    by_size = footprint(pairs) * normal_cdf((underside - clear * top) / _upright(pairs))
+    by_size = footprint(pairs, _wide_from(pairs)) * normal_cdf(
+        (underside - clear * top) / _upright(pairs)
+    )
     return _tempered(pairs, by_box, by_size, lambda: _over_or_below(pairs, by_box, 1.0))
 
 
@@ -293,8 +303,7 @@ def _in_front_of(pairs: Pairs, _: Parameters) -> Floats:
     # things stand on a common floor or top: what is nearer ends lower in the picture
     by_box = normal_cdf((pairs.box_a[:, 3] - pairs.box_b[:, 3]) / (0.5 * height))
     front = np.where(np.isnan(by_place), by_box, by_place)
-    aligned = np.where(pairs.shared, in_line(pairs), 1.0)
-    return front * aligned * as_factor(within(pairs, SIDE_M))
+    return front * as_factor(in_line(pairs)) * as_factor(within(pairs, SIDE_M))
 
 
 def _behind(pairs: Pairs, parameters: Parameters) -> Floats:
@@ -305,6 +314,7 @@ def _same_place(pairs: Pairs, parameters: Parameters) -> Floats:
     beside = as_factor(beside_within(pairs, parameters.d_thresh_m))
     near = displaced_within(pairs, parameters.d_thresh_m, apart_sigma(pairs))
     one_spot = np.linalg.norm(pairs.position_a - pairs.position_b, axis=1) < SAME_SPOT_M
+    near = GROUPED * near / (1.0 + (GROUPED - 1.0) * near)
     return np.where(one_spot, 1.0, near) * beside
 
 

@@ -11,6 +11,7 @@ from d3a.colours import Palette
 from d3a.kept import Kept
 from d3a.landmarks import Landmarks
 from d3a.match import Candidate
+from d3a.moments import Found
 from d3a.parameters import Parameters
 from d3a.spots import Spots
 from d3a.steps import FindObjects, Precision
@@ -43,6 +44,7 @@ class Revision:
     regions: list[Region] | None = None
     palette: Palette | None = None
     landmarks: Landmarks | None = None
+    carriers: Found = field(default_factory=Found)
     parameters: Parameters | None = None
     rungs: Kept[_Noun, tuple[Mapping[str, float], Mapping[str, float]]] = field(
         default_factory=lambda: Kept(MOST_WORDS)

@@ -17,7 +17,7 @@ WHOLE_SHARE = 0.25
 
 
 def in_line(pairs: Pairs) -> Floats:
-    """Return the probability that one is before the other, whichever (n,); NaN without a frame."""
+    """Return the probability that one is before the other, whichever (n,), NaN if untold."""
     whole_a, hidden_a = _whole(pairs.extent_a, pairs.box_a)
     whole_b, hidden_b = _whole(pairs.extent_b, pairs.box_b)
     left = np.maximum(pairs.box_a[:, 0], pairs.box_b[:, 0])
@@ -28,7 +28,8 @@ def in_line(pairs: Pairs) -> Floats:
         by_box = soft_step(share, 0.1, 0.08)
         by_place = normal_cdf(-_gap_across(pairs) / np.hypot(pairs.sigma, EDGE_M))
     weight = np.clip(np.maximum(hidden_a, hidden_b) / WHOLE_SHARE, 0.0, 1.0) / 2
-    return np.where(np.isnan(by_place), by_box, by_box + weight * (by_place - by_box))
+    both = np.where(np.isnan(by_place), by_box, by_box + weight * (by_place - by_box))
+    return np.where(pairs.shared, both, by_place)
 
 
 def _whole(extent: Floats, box: Floats) -> tuple[Floats, Floats]:

@@ -44,9 +44,9 @@ class Spots:
         """Return the landmarks that are one of the ids or of a category."""
         if self.landmarks is None:
             return frozenset()
-        named = zip(self.landmarks.ids, self.landmarks.categories, strict=True)
+        named = zip(self.landmarks.stays, self.landmarks.categories, strict=True)
         return frozenset(
-            row for row, (name, kind) in enumerate(named) if name in ids or kind in categories
+            row for row, ((name, _), kind) in enumerate(named) if name in ids or kind in categories
         )
 
     def tell(self, stays: Iterable[StayRecord], without: RuledOut) -> dict[StayKey, Spot]:

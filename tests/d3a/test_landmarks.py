@@ -27,8 +27,8 @@ def one_by_one(
     kinds: set[str],
 ) -> tuple[str, float] | None:
     best: tuple[str, float] | None = None
-    table = (landmarks.ids, landmarks.categories, landmarks.places, landmarks.sites)
-    for name, kind, place, site, held in zip(*table, landmarks.rooms, strict=True):
+    table = (landmarks.stays, landmarks.categories, landmarks.places, landmarks.sites)
+    for (name, _), kind, place, site, held in zip(*table, landmarks.rooms, strict=True):
         if of.position is None or name in {*ids, of.object_id} or kind in kinds:
             continue
         if site != of.site or (held and rooms and not {*held} & {*rooms}):
@@ -44,7 +44,7 @@ def test_the_nearest_landmark_is_the_one_found_one_by_one(many: int) -> None:
     draw = random.Random(many)
     kinds = ("table", "bed", "sink")
     landmarks = Landmarks(
-        tuple(f"o{k}" for k in range(many)),
+        tuple((f"o{k}", 0) for k in range(many)),
         tuple(draw.choice(kinds) for _ in range(many)),
         tuple(_on_a_grid(draw) for _ in range(many)),  # many are exactly as near
         tuple(draw.choice(SITES) for _ in range(many)),
@@ -57,8 +57,8 @@ def test_the_nearest_landmark_is_the_one_found_one_by_one(many: int) -> None:
     stays += [stay("x", None), stay("y", (1e9, 0.0, 0.0))]
     rooms = [draw.choice((*ROOMS, ("cellar",))) for _ in stays]
     for not_ids, not_kinds in ((set(), set()), ({"o1", "o7"}, {"bed"}), (set(), {*kinds})):
-        named = zip(landmarks.ids, landmarks.categories, strict=True)
-        without = [k for k, (i, kind) in enumerate(named) if i in not_ids or kind in not_kinds]
+        named = zip(landmarks.stays, landmarks.categories, strict=True)
+        without = [k for k, ((i, _), kind) in enumerate(named) if i in not_ids or kind in not_kinds]
         found = landmarks.nearest(stays, 3.0, rooms, without=without)
         assert found == [
             one_by_one(landmarks, s, 3.0, held, not_ids, not_kinds)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from dataclasses import fields
 
 import numpy as np
 import pytest
@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from d3a.pairs import Pairs, normal_cdf, up_axis
 from d3a.parameters import DEFAULT
-from d3a.relations import between, probability
+from d3a.relations import GROUPED, between, probability
 from grammar.forms import RELATION_KINDS, RelationKind
 
 NAN2, NAN3, NAN4, NAN7 = (np.nan,) * 2, (np.nan,) * 3, (np.nan,) * 4, (np.nan,) * 7
@@ -195,13 +195,9 @@ def test_left_and_right_are_each_other_s_opposite(box_a: Point, box_b: Point) ->
 
 def test_pairs_are_judged_row_by_row() -> None:
     one = pair((2.1, 0.1, 1.4), (2, 0, 1))
-    both = replace(
-        one,
-        **{
-            name: np.concatenate([getattr(one, name), getattr(pair(box_a=TABLE), name)])
-            for name in one.__slots__
-        },
-    )
+    other = pair(box_a=TABLE)
+    names = [each.name for each in fields(one) if each.init]
+    both = Pairs(*(np.concatenate([getattr(one, n), getattr(other, n)]) for n in names))
     p = probability("on", both, DEFAULT)
     assert p[0] == pytest.approx(holds("on", one))
     assert math.isnan(p[1])
@@ -301,13 +297,17 @@ def test_same_place_counts_where_the_other_may_truly_be(far: float, sigma: float
     one = pair((2.0, far, 0.5 + rise), (2.0, 0.0, 0.5), sigma=sigma)
     draw = np.random.default_rng(7).normal((far, 0.0), sigma, size=(200_000, 2))
     share = (np.hypot(np.hypot(*draw.T), rise) <= DEFAULT.d_thresh_m).mean()
-    assert holds("same_place", one) == pytest.approx(share, abs=0.01)
+    grouped = GROUPED * share / (GROUPED * share + 1.0 - share)
+    assert holds("same_place", one) == pytest.approx(grouped, abs=0.01)
 
 
 def test_boxes_that_show_things_whole_say_what_is_before_what() -> None:
     whole, aside = (100.0, 100.0, 160.0, 200.0), (180.0, 110.0, 234.0, 200.0)
     places, sizes = ((3.0, 0.0, 0.5), (2.0, 0.0, 0.5)), ((0.6, 1.0), (0.6, 1.0))
     assert holds("behind", pair(*places, aside, whole, FACING_X, *sizes)) < 0.5
+    unseen = pair((3.0, 1.5, 0.5), places[1], NAN4, NAN4, FACING_X, *sizes)
+    assert holds("behind", unseen) < 0.5  # and without a picture its place alone
+    assert holds("behind", pair(*places, NAN4, NAN4, FACING_X, *sizes)) > 0.5
     cut = (180.0, 110.0, 205.0, 200.0)  # by what hides it: then its place tells too
     assert holds("behind", pair(*places, cut, whole, FACING_X, *sizes)) > 0.5
 

@@ -12,7 +12,7 @@ from d3a.store.base import Region, StayRecord
 KITCHEN = Region("kitchen", ((0.0, 0.0), (4.0, 0.0), (4.0, 4.0), (0.0, 4.0)))
 SURE = (0.01, 0.0, 0.0, 0.0, 0.01, 0.0, 0.0, 0.0, 0.01)
 LANDMARKS = Landmarks(
-    ("s", "t"),
+    (("s", 0), ("t", 0)),
     ("sink", "table"),
     ((1.0, 1.0, 0.0), (1.5, 1.0, 0.0)),
     ("", ""),
