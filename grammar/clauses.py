@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from grammar import numbers
 from grammar import timewords as tw
+from grammar.adjectives import describes
 from grammar.closed import is_open, words_of
 from grammar.cursor import DETERMINERS, OWNED, OWNERS, TIME_GAP, Cursor
 from grammar.forms import ANYTHING
@@ -162,7 +163,13 @@ class ClauseTagger(Cursor):
 
     def _attribute_at(self, k: int) -> bool:
         found = self.reader.read(self.words, k) if is_open(self._text(k)) else []
-        return bool(found) and isinstance(found[0][0], Attribute)
+        return self._state_at(k) or (bool(found) and isinstance(found[0][0], Attribute))
+
+    def _state_at(self, k: int) -> bool:
+        """Whether a word alone says how the thing is: that is not chipped."""
+        alone = is_open(self._text(k)) and not self._open_at(k + 1)
+        placed = self._text(k) in phrases().verbs or place_follows(self.words, k + 1)
+        return alone and not placed and describes(self._text(k), self.lexicon.heads)
 
     def _extraposed(self, plural: bool, *, owned: bool = False) -> bool:
         """Whether a clause at the end is said of what is asked for, not of the noun before it.

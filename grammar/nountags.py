@@ -144,7 +144,9 @@ class NounTagger(ClauseTagger):
         if lost or text not in ("no", "never", "nothing", "nowhere", "none"):
             return False
         self.out.negated, self.out.never = True, text == "never"
-        if text in ("nothing", "none"):
+        if text == "none" and self._text(self.i + 1) == "of":
+            self.i += 2  # none of the cups
+        elif text in ("nothing", "none"):
             self._emit("NOUN", Noun("object", "thing", known=True), 1)
         elif text == "no" and self._text(self.i + 1) != "longer":
             self._emit("DET", text, 1)

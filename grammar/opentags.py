@@ -175,6 +175,10 @@ class OpenTagger(RelationTagger):
 
     def _material(self, text: str) -> bool:
         """Read what a thing is made of or looks like as said of it: glass is a noun elsewhere."""
+        told = self._last() in ("_THAT_IS", "_THAT_IS_NOT")
+        if told and text not in self.lexicon.attributes and self._state_at(self.i):
+            self._emit("ATTR", Attribute(text, "other"), 1)
+            return True
         made = self._last() in ("_MADE_OF", "_NOT_MADE_OF")
         looks = self._last() in ("_THAT_IS", "_THAT_IS_NOT") and self._looks(self.i)
         asked = (

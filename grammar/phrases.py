@@ -73,7 +73,8 @@ def breaks(words: list[Word], k: int) -> bool:
     """Whether the open word at `k` starts a phrase of its own and goes on no noun."""
     known = phrases()
     text = words[k].text
-    if text in _NOUNS_TOO and not _verb_due(words, k):
+    laid = [w.text for w in words[k : k + 2]] in _LAID
+    if text in _NOUNS_TOO and not laid and not _verb_due(words, k):
         return False  # where is the glue stick, did you see my cake stand
     if stands_at(words, k):
         return True
@@ -91,6 +92,7 @@ def breaks(words: list[Word], k: int) -> bool:
 
 
 _NOUNS_TOO = words_of("stick set stand drop store park record view rest hide light stop")
+_LAID = (["set", "up"], ["set", "down"], ["set", "out"])
 _ACTING = words_of("do does did have has had can could")
 
 

@@ -19,6 +19,7 @@ from grammar.words import Word
 _SOUNDS = {
     "sea": "see", "scene": "seen", "our": "are", "hour": "our", "bean": "been", "their": "there",
     "wear": "where", "ware": "where", "witch": "which", "wen": "when",
+    "eye": "i", "inn": "in", "off": "of", "buy": "by", "hear": "here",
 }  # fmt: skip
 """Words that a recogniser writes for a word of the grammar that sounds the same."""
 _TERMINALS = (

@@ -218,7 +218,8 @@ def refuse_late(text: str, found: FormalQuery, rest: list[Word], lexicon: Lexico
         raise _out(text, rest[-1], "It knows no plan of the building", rest, lexicon)
     if first is not None and _attending(found, rest):
         raise _out(text, rest[0], "It remembers things, not the doings of people", rest, lexicon)
-    person = first is not None and (first.category in lexicon.names or first.category in KIN)
+    named = first is not None and first.category in lexicon.names and not _led(first.word, said)
+    person = first is not None and (named or first.category in KIN)
     if first is not None and person and first.category not in lexicon.taught:
         raise _out(text, rest[-1], "It remembers things, not the doings of people", rest, lexicon)
 
@@ -250,7 +251,13 @@ def _acted(term: ObjectTerm, said: list[str], lexicon: Lexicon) -> bool:
     placed = _ACTING.isdisjoint(said) or not phrases().verbs.isdisjoint(said)
     if noun and placed and last in _DEEDS:
         return False  # where is the door stop, did you see the face wash
-    return last in doings() or (first != last and first in lexicon.names)
+    return last in doings() or (first != last and first in lexicon.names and not _led(first, said))
+
+
+def _led(word: str, said: list[str]) -> bool:
+    """Whether a determiner makes a name that of a thing: the jack, a jack knife."""
+    i = said.index(word) if word in said else 0
+    return i > 0 and said[i - 1] in DETERMINERS
 
 
 _DEEDS = words_of("stop wash press ring walk rest watch iron drink break play work feed dry wear")

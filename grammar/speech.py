@@ -19,6 +19,7 @@ from grammar.words import Word
 SEEK = "<seek>"
 """Stands for "I am looking for" and its like at the start of a question."""
 _ENDS = frozenset("?!.;")
+_TITLES = ("mr", "mrs", "ms", "dr", "prof", "st")
 _ABBREVIATIONS = frozenset((*tw.MONTH_SHORT, *tw.WEEKDAY_SHORT))
 
 
@@ -36,10 +37,10 @@ def sentences(words: list[Word]) -> list[list[Word]]:
 
 
 def _dotted(words: list[Word], i: int) -> bool:
-    """Whether the dot at `i` belongs to a date: `oct.`, `october. 2`, `16. nov`."""
+    """Whether the dot at `i` belongs to a date or a title: `oct.`, `16. nov`, `mrs. hall`."""
     before = words[i - 1].text
     after = words[i + 1].text if i + 1 < len(words) else ""
-    if before in _ABBREVIATIONS:
+    if before in _ABBREVIATIONS or (before in _TITLES and after):
         return True
     month_and_day = before in tw.MONTH_NUMBER and after[:1].isdecimal()
     return month_and_day or (before.isdecimal() and after in tw.MONTH_NUMBER)
@@ -211,6 +212,8 @@ def _no_filler(words: list[Word], i: int, count: int, kept: list[Word]) -> bool:
     before = kept[-1].text if kept else ""
     if count == 1 and words[i].text in HESITATING and before == ",":
         return words[i + 1 : i + 2] != [] and words[i + 1].text == "," and len(kept) > 1
+    if words[i].text == "mm":
+        return before.isdecimal() or before in numbers.CARDINALS  # the 10 mm socket
     if words[i].text == "like":
         return before not in _BEFORE_LIKE
     if words[i].text in ("oh", "o"):

@@ -63,6 +63,19 @@ def test_words_that_a_recogniser_parts_or_runs_together(
 
 
 @pytest.mark.parametrize(
+    ("text", "without"),
+    [
+        ("where is the jar that isn't chipped", ("chipped",)),
+        ("where is the jar that was left on the shelf", ()),
+    ],
+)
+def test_what_became_of_a_thing_is_told_of_it_unless_it_is_where(
+    text: str, without: tuple[str, ...]
+) -> None:
+    assert read(text).objects[0].without == without
+
+
+@pytest.mark.parametrize(
     ("text", "attributes"),
     [
         ("where is a bowl made of glass", ("glass",)),

@@ -250,13 +250,19 @@ def test_a_noun_that_is_also_a_verb_a_look_or_no_thing(asked: str, noun: str) ->
         ("is the cup on the mat clay", "cup"),
         ("where is the cup that is walnut", "cup"),
         ("which cup is leather", "cup"),
+        ("where is the 12 mm bolt", "12 mm bolt"),
+        ("is the jack under the mat", "jack"),
+        ("where is the jack knife", "jack knife"),
     ],
 )
 def test_a_verb_or_a_look_stays_one(text: str, word: str) -> None:
     assert parse(text, now=NOW).objects[0].word == word
 
 
-@pytest.mark.parametrize("text", ["where is the noise level", "where is the music", "did mom wash"])
+@pytest.mark.parametrize(
+    "text",
+    ["where is the noise level", "where is the music", "did mom wash", "is jack under the mat"],
+)
 def test_no_thing_stays_none(text: str) -> None:
     with pytest.raises(QuestionError):
         parse(text, now=NOW)
