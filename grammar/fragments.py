@@ -12,7 +12,7 @@ from typing import Literal
 from grammar import numbers, scope
 from grammar.errors import NotUnderstood, QuestionError
 from grammar.forms import ANYTHING, Ask, Correction, FormalQuery, ObjectTerm, Select, TimeSlice
-from grammar.meaning import AtPlace, Group, Item, Meaning, Related, form_of
+from grammar.meaning import AtPlace, Group, Item, Meaning, Outside, Related, form_of
 from grammar.parser import NO_STORE, read
 from grammar.reading import Reading, Terminals
 from grammar.vocabulary import StoreWords
@@ -276,13 +276,27 @@ def _without_words(reading: Reading, found: Terminals) -> Fragment | None:
 
 
 def _built(reading: Reading, found: Terminals, meaning: Meaning) -> Fragment:
-    group = meaning.things.group
+    group, items = meaning.things.group, meaning.things.items
+    negated = found.tagged.negated
+    if negated and items:  # not in the kitchen: elsewhere; the question is no other
+        items, negated = (_denied(items[0]), *items[1:]), False
     return Fragment(
         reading.text,
         terms=group.terms if group is not None else (),
-        items=meaning.things.items,
+        items=items,
         time=found.time,
         ask=meaning.ask,
         select=found.tagged.select,
-        negated=True if found.tagged.negated else None,
+        negated=True if negated else None,
     )
+
+
+def _denied(item: Item) -> Item:
+    """Return where a thing must not be: not in the kitchen, not on the table."""
+    match item:
+        case AtPlace():
+            return Outside(item.name)
+        case Related():
+            return replace(item, negated=not item.negated)
+        case _:
+            return item

@@ -8,7 +8,8 @@ from grammar.cursor import DETERMINERS, OWNED, OWNERS, Tag
 from grammar.nouns import Noun, Whose
 from grammar.nountags import KIN, PEOPLE
 
-_HAVING = words_of("have own possess has owns possesses had owned")
+_HAVING = words_of("have own possess has owns possesses had owned got")
+_TITLES = words_of("mr mrs ms miss dr")
 _BELONGING = frozenset(("belong", "belongs", "belonged"))
 _PERSONS = KIN | PEOPLE - {"dog", "cat"}
 _ASKING = ("BE", "_WHICH", "_HOWMANY", "_WHAT", "_WHETHER")
@@ -32,9 +33,12 @@ class OwnerTagger(CountTagger):
         k = self.i
         while self._text(k) in DETERMINERS or self._text(k) in OWNERS:
             k += 1
-        text = self._text(k)
+        titled = self._text(k) in _TITLES and self._open_at(k + 1)
+        k += titled
+        text = " ".join(w.text for w in self.words[k - titled : k + 1])
         kind = self.lexicon.singular(text)
-        person = text in self.lexicon.names or kind in KIN or (k > self.i and kind in PEOPLE)
+        named = titled or text in self.lexicon.names
+        person = named or kind in KIN or (k > self.i and kind in PEOPLE)
         if not person or self._text(k + 1) not in _HAVING:
             return False
         if not self._has_things(k + 2):

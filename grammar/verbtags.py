@@ -66,7 +66,7 @@ class VerbTagger(OwnerTagger):
             if self._last() != "WHO" or not (
                 self._noun_phrase_at(self.i + size)
                 or not following
-                or following in ("in", "on", "at")
+                or following in ("in", "on", "at", "only", "just", "more", "fewer", "less", "up")
             ):
                 return False
             self._emit("HAVE", said, size)
