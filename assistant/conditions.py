@@ -47,7 +47,8 @@ def _related_words(answer: Answer, query: FormalQuery) -> str:
         denied = "not " if is_denied(query) else ""
         return "" if alone in answer.unjudged else f" {denied}{alone}"
     if query.relation is None:
-        return ""
+        several = numbers_together(query) and "together" not in answer.unjudged
+        return " at once" if several else ""
     grounds = query.objects[1:]
     plain = f"the {described(grounds[-1])}"
     if any(condition.endswith(plain) for condition in answer.unjudged):

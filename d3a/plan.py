@@ -133,6 +133,8 @@ def plan(
         united = (by_paper and not negated) if len(names) > 1 else not numbers_together(query)
         unite = Unite(query.relation.kind, names)
         steps.append(unite if united else _relate(query, names, negated))
+    elif numbers_together(query):
+        steps.append(_gather(query, names, polarity))
     present = _asks_for_the_present(query) and not sighting
     if present:
         steps.append(KeepPresent(var))
@@ -221,17 +223,26 @@ def _sighting_steps(
 def numbers_together(query: FormalQuery) -> tuple[int, ...]:
     """Return how many things of each object a query wants together, at least two of any.
 
-    () where it is no such query: of one cup and one bowl the relation alone tells.
+    () where it is no such query: of one cup and one bowl the relation alone tells. The times at
+    which two cups were seen are those at which both were.
     """
-    together = query.relation is not None and query.relation.kind == "together"
-    if not together or _is_of_all_time(query):
+    if _is_of_all_time(query):
         return ()
     terms = query.objects or (ObjectTerm(ANYTHING),)
+    if query.relation is None:  # when two cups were seen is asked of both
+        timed = query.ask in ("when", "how_long", "how_often") and len(terms) == 1
+        return (terms[0].quantity or 1,) if timed and _are_several(terms[0]) else ()
+    if query.relation.kind != "together":
+        return ()
     # of at most three together, or exactly three, no group tells
     numbers = [max(term.quantity or 1, 1) if term.bound == "least" else 1 for term in terms]
     if len(numbers) == 1:
         return (max(numbers[0], 2),)  # one thing is together with another of its kind
     return tuple(numbers) if max(numbers) > 1 else ()
+
+
+def _are_several(term: ObjectTerm) -> bool:
+    return term.bound == "least" and term.quantity is not None and term.quantity > 1
 
 
 def numbers_unjudged(query: FormalQuery) -> tuple[ObjectTerm, ...]:
@@ -248,14 +259,18 @@ def numbers_unjudged(query: FormalQuery) -> tuple[ObjectTerm, ...]:
 
 def _relate(query: FormalQuery, names: tuple[str, ...], negated: bool) -> Relate | Gather:
     assert query.relation is not None
-    if numbers := numbers_together(query):
-        most = query.ask == "count" and not (query.objects and query.objects[0].quantity)
-        time = TimeSlice() if edge_of(query) is not None else looked_at(query.time)
-        return Gather(names, numbers, most, negated, time.start, time.end)
+    if numbers_together(query):
+        return _gather(query, names, negated)
     if _is_of_all_time(query):  # the slice is about the change of what stood so
         return Relate(query.relation.kind, names, negated, "figure")
     time = TimeSlice() if edge_of(query) is not None else looked_at(query.time)
     return Relate(query.relation.kind, names, negated, "moments", time.start, time.end)
+
+
+def _gather(query: FormalQuery, names: tuple[str, ...], negated: bool) -> Gather:
+    most = query.ask == "count" and not (query.objects and query.objects[0].quantity)
+    time = TimeSlice() if edge_of(query) is not None else looked_at(query.time)
+    return Gather(names, numbers_together(query), most, negated, time.start, time.end)
 
 
 def _is_of_all_time(query: FormalQuery) -> bool:

@@ -366,6 +366,9 @@ def test_several_of_a_kind_together_are_told_by_their_number(two_rooms: Home) ->
     assert told(two_rooms, "When did you see three cups together?").startswith(
         "Today at 12:30, 6 hours ago, in the kitchen, next to the couch. I saw three cups together"
     )
+    assert told(two_rooms, "When did you see three cups?").startswith(
+        "Today at 12:30, 6 hours ago, in the kitchen, next to the couch. I saw three cups at once "
+    )
     assert told(two_rooms, "How many cups did you see together?").startswith(
         "Three cups together, last seen today at 12:30"
     )

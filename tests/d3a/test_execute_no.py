@@ -172,7 +172,7 @@ def test_fewer_than_asked_for_is_a_no_that_tells_how_many(home: Home) -> None:
     assert answer.otherwise is not None
     assert answer.otherwise.end == at(110)
     assert run(home, whether(replace(CUP, quantity=3), negated=True)).status == "not_found"
-    asked = replace(whether(replace(CUP, quantity=3)), ask="when")
+    asked = replace(whether(replace(CUP, quantity=3)), ask="where")
     assert run(home, asked).status == "found"  # no yes or no is asked for
 
 

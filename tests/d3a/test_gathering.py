@@ -174,6 +174,13 @@ def how_many() -> FormalQuery:
     return replace(together(ObjectTerm("cup")), ask="count")
 
 
+def test_the_times_of_two_are_those_of_both(table: Home) -> None:
+    asked = FormalQuery("?", "Q3", "when", (ObjectTerm("cup", quantity=3),))
+    assert len(moments_of(ask(table, asked))) == 2
+    four = ask(table, replace(asked, objects=(ObjectTerm("cup", quantity=4),)))
+    assert (four.status, four.reason) == ("not_found", "not_there")
+
+
 def test_so_many_with_another_thing(table: Home) -> None:
     bowl, cups = ObjectTerm("bowl", var="y"), ObjectTerm("cup", quantity=3)
     answer = ask(table, together(cups, bowl))
@@ -207,6 +214,12 @@ def test_a_plan_gathers_where_numbers_are_asked_together() -> None:
     assert numbers_together(together(cup, replace(bowl, quantity=2))) == (1, 2)
     assert numbers_together(together(cup, bowl)) == ()
     assert numbers_together(replace(together(cup), relation=None)) == ()
+    alone = FormalQuery("?", "Q3", "when", (replace(cup, quantity=3),))
+    assert numbers_together(alone) == (3,)
+    assert Gather(("x",), (3,)) in plan(alone).steps
+    assert numbers_together(replace(alone, ask="where")) == ()  # they may be anywhere
+    assert numbers_together(replace(alone, ask="whether")) == ()  # one after the other will do
+    assert numbers_together(replace(alone, objects=(replace(cup, quantity=1),))) == ()
     steps = plan(together(replace(cup, quantity=3))).steps
     assert Gather(("x",), (3,)) in steps
     assert "gather x, numbers 3" in "\n".join(plan(together(replace(cup, quantity=3))).lines())
