@@ -10,7 +10,7 @@ from grammar.closed import is_open, words_of
 from grammar.cursor import DETERMINERS, OWNERS, PRONOUNS, TIME_GAP
 from grammar.forms import ANYTHING
 from grammar.nouns import Attribute, Described, Noun
-from grammar.phrases import breaks
+from grammar.phrases import breaks, phrases, place_follows
 from grammar.relationtags import RelationTagger
 
 _NUMBERED = words_of(
@@ -105,6 +105,9 @@ class OpenTagger(RelationTagger):
             return False
         if self._text(k) in _AFTER_VERBS or (before and not is_open(self._text(self.i - 1))):
             return False
+        goes_on = is_open(self._text(k)) or self._text(k) in phrases().verbs
+        if before and goes_on and not place_follows(self.words, k):
+            return False  # how many people can sit here
         while self._open_at(k) and not breaks(self.words, k):
             k += 1
         rest = " ".join(w.text for w in self.words[self.i : k])

@@ -145,7 +145,9 @@ def _future(texts: list[str]) -> int | None:
 
 _SKIPPED = words_of("i also usually normally always last typically generally")
 _CLAUSES = words_of("know remember forgot forget recall tell wonder think sure say idea")
-_PUTTING = words_of("put store keep place leave hang set throw get lay park sit stand lie")
+_PUTTING = words_of(
+    "put store keep place leave hang set throw get lay park sit stand lie hide stash stow toss"
+)
 
 
 def _use_asked(texts: list[str]) -> bool:

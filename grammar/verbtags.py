@@ -97,6 +97,9 @@ class VerbTagger(OwnerTagger):
         placed = self._has("_WHERE") or self._has("_HOWLONG") or self._has("_HOWOFTEN")
         if terminal == "GO" and not (placed or appears):
             return False
+        if said == "going" and self._has("BE"):
+            self._emit("UNKNOWN", said, size)  # where is the bus going
+            return True
         if terminal == "GO" and self._has("WHO"):
             return False
         if terminal == "LEAVE" and said in ("lost", "lose") and not self._has("WHO"):
