@@ -47,8 +47,8 @@ THROUGH_LEAST, THROUGH_MOST = 0.3, 2.5
 class Glance:
     """What the current look showed of a place, in frames.
 
-    frames: in view. hidden: behind something. through: only what is behind it was seen. familiar:
-    whether it was in plain view from a side that has shown it before.
+    frames: in view. hidden: behind something. through: only what is behind it was seen. eye and
+    away_m: from where it was last in plain view, and how far off.
     """
 
     thing: Known
@@ -56,15 +56,28 @@ class Glance:
     frames: int = 0
     hidden: int = 0
     through: int = 0
-    familiar: bool = False
+    away_m: float = 0.0
     found: bool = False
     eye: Position | None = None
 
-    def add(self, hidden: bool, through: bool) -> None:
-        """Count a frame."""
+    def add(self, eye: Position, away_m: float, hidden: bool, through: bool) -> None:
+        """Count a frame taken from somewhere, so far off."""
         self.frames += 1
-        self.hidden += hidden
         self.through += through
+        if hidden:
+            self.hidden += 1
+        else:
+            self.eye, self.away_m = eye, away_m
+
+    @property
+    def is_plain(self) -> bool:
+        """Whether it was in plain view in any frame."""
+        return self.frames > self.hidden
+
+    @property
+    def is_familiar(self) -> bool:
+        """Whether it was in plain view from a side that has shown it before."""
+        return self.eye is not None and is_familiar(self.place, self.eye, self.away_m)
 
     @property
     def is_through(self) -> bool:
@@ -127,12 +140,7 @@ class Absence:
         hidden, through = self._depths(scene, spots, sigma_m)
         seen = zip(rows.tolist(), spots[2].tolist(), hidden, through, strict=True)
         for row, away_m, is_hidden, is_through in seen:
-            thing, place = owners[row]
-            glance = self._glance(thing, place)
-            if not glance.familiar and not is_hidden:
-                glance.familiar = is_familiar(place, eye, away_m)
-            glance.add(is_hidden, is_through)
-            glance.eye = eye
+            self._glance(*owners[row]).add(eye, away_m, is_hidden, is_through)
 
     def _depths(
         self, scene: Scene, spots: Floats, sigma_m: Floats
@@ -180,7 +188,7 @@ class Absence:
                 continue
             if glance.is_through:
                 odds = self._through_odds()
-            elif glance.familiar:
+            elif glance.is_familiar:
                 odds = -math.log(1 - chance(place, self._usual()))
             else:
                 continue
@@ -222,11 +230,10 @@ class Absence:
 
     def _found(self, glance: Glance) -> None:
         thing, place = glance.thing, glance.place
-        if thing.seen > self._parameters.confirm_sightings and glance.familiar:
+        if thing.seen > self._parameters.confirm_sightings and glance.is_plain:
             self._refound += 1
             self._relooked += 1
-            if glance.frames > glance.hidden:
-                self._through[0] += (glance.is_through, 1.0)
+            self._through[0] += (glance.is_through, 1.0)
         self._through[0] += place.throughs  # it was there all the time
         place.hits += 1
         place.chances += 1
@@ -244,7 +251,7 @@ class Absence:
         thing, place = glance.thing, glance.place
         if thing.seen > self._parameters.confirm_sightings and place.last_absent_ms is None:
             self._relooked += share
-        elif place.last_absent_ms is not None and glance.frames > glance.hidden:
+        elif place.last_absent_ms is not None and glance.is_plain:
             self._through[1] += (glance.is_through, 1.0)
         place.evidence += share * odds
         place.chances += share
@@ -270,7 +277,7 @@ class Absence:
                 g.frames,
                 g.hidden,
                 g.through,
-                g.familiar,
+                g.away_m,
                 g.found,
                 g.eye,
             ]
@@ -295,5 +302,5 @@ class Absence:
         for number, place_number, *counted, eye in record["glances"]:
             thing = self._memory.things[number]
             glance = self._glance(thing, thing.place(place_number))
-            glance.frames, glance.hidden, glance.through, glance.familiar, glance.found = counted
+            glance.frames, glance.hidden, glance.through, glance.away_m, glance.found = counted
             glance.eye = None if eye is None else (eye[0], eye[1], eye[2])

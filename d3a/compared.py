@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
@@ -21,8 +20,7 @@ Aim = tuple[Floats, Floats]
 """Places (3, n) and noise (6, n) of a frame's things in the map, by what is known of its offset."""
 
 
-@dataclass(frozen=True, slots=True)
-class Frame:
+class Frame(NamedTuple):
     """What of a frame's things is the same for all that they are compared with.
 
     scale: correction of each detection's own noise by what is learned. placed: whose places tell
@@ -48,8 +46,7 @@ class Frame:
         return Frame(self.observed.part(wanted), self.scale, placed, frozenset(), self.shells_m3)
 
 
-@dataclass(frozen=True, slots=True)
-class Gated:
+class Gated(NamedTuple):
     """The things that a frame's may be, and where they may be.
 
     rows: in the table of positions, by thing; columns: those of that table. spans: of each thing
@@ -91,8 +88,7 @@ class Gated:
         return found
 
 
-@dataclass(frozen=True, slots=True)
-class Scoring:
+class Scoring(NamedTuple):
     """The evidence of category and look of each detection for each thing, all (n, m).
 
     agreed, differing: of the category, if the thing is of it, and if it was named wrongly.
@@ -128,8 +124,7 @@ class Misplaced(NamedTuple):
     odds: float
 
 
-@dataclass(frozen=True, slots=True)
-class Assigned:
+class Assigned(NamedTuple):
     """One way to explain a frame, with its localisation off by so much.
 
     taken: for each thing of the frame the column of `things`, -1 for a new one. at: the row of its
@@ -144,8 +139,8 @@ class Assigned:
     place: Floats
     scoring: Scoring
     score: Floats
-    misplaced: dict[int, Misplaced] = field(default_factory=dict)
-    strange: int = 0
+    misplaced: dict[int, Misplaced]
+    strange: int
 
     def worth(self, new_score: float) -> float:
         """Return the log-odds of it all against "all are new"."""

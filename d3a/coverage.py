@@ -9,11 +9,14 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from d3a.frozen import maker
 from d3a.geometry import heading
 from d3a.model import Camera, Json, Pose
 from d3a.parameters import Parameters
 from d3a.store.base import View
 
+_view = maker(View)
+"""Each frame makes one."""
 SITE_FIELDS = ("start_ms", "end_ms", "frames", "x", "y", "yaw", "half_angle", "range_m")
 
 
@@ -35,7 +38,7 @@ class Coverage:
         """Take a frame in; return the view that ended with it, if one did."""
         old = self.open
         if old is not None and self._goes_on(old, time_ms, pose):
-            self.open = View(  # `replace` takes four times as long
+            self.open = _view(
                 old.start_ms, time_ms, old.frames + 1, old.site, old.recording,
                 old.x, old.y, old.yaw, old.half_angle, old.range_m,
             )  # fmt: skip

@@ -8,6 +8,7 @@ from dataclasses import fields
 from itertools import combinations
 from operator import itemgetter
 
+from d3a.frozen import maker
 from d3a.ledger import Ledger
 from d3a.model import Detection, Json
 from d3a.parameters import Parameters
@@ -15,6 +16,8 @@ from d3a.sightings import FrameRef
 from d3a.store.base import LEAST_SIGMA_M, Apart, Encounter, StayKey
 
 Pair = tuple[StayKey, StayKey]
+_encounter = maker(Encounter)
+"""Each pair of things in a frame makes one."""
 _FIELDS = tuple(f.name for f in fields(Encounter))
 MOST_SIGMA_M = 0.5
 """What is less sure is no measurement: without depth all that a frame shows is put at one range."""
@@ -47,7 +50,7 @@ class Encounters:
                 start_ms = ref.time_ms
             if old is not None and pair in self._dirty:
                 ledger.put_encounter(old)
-            self._open[pair] = Encounter(
+            self._open[pair] = _encounter(
                 a[0], b[0], a[1], b[1], start_ms, ref.time_ms, ref.name, one.box, other.box,
                 one.probability * other.probability, ref.image, 1, ref.recording, ref.viewer,
                 apart(one, other),
@@ -118,11 +121,11 @@ def _grown(old: Encounter, ref: FrameRef, one: Detection, other: Detection) -> E
     probability = one.probability * other.probability
     both = _mean(old.apart, apart(one, other))
     if probability <= old.probability:
-        return Encounter(
+        return _encounter(
             *stays, old.frame, old.box_a, old.box_b, old.probability, old.image, old.seen + 1,
             old.recording, old.viewer, both,
         )  # fmt: skip
-    return Encounter(
+    return _encounter(
         *stays, ref.name, one.box, other.box, probability, ref.image, old.seen + 1,
         ref.recording, ref.viewer, both,
     )  # fmt: skip

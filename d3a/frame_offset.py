@@ -49,6 +49,10 @@ class FrameOffset:
         """Return the state before any frame."""
         return cls(parameters, NOTHING, EXACT)
 
+    def copy(self) -> FrameOffset:
+        """Return the same state, to be changed by itself."""
+        return FrameOffset(self.parameters, self.mean, self.covariance, self.time_ms)
+
     def predict(self, time_ms: int, pose: Pose | None) -> None:
         """Go to the time of a frame whose pose claims this error."""
         if pose is None:  # a position then is the recording's own, and errs by its covariance

@@ -8,7 +8,6 @@ left anything open.
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -84,7 +83,7 @@ class Matcher:
         """Return for each observed thing what it is, None for new; corrects the frame's offset."""
         frame = self._frame(observed, pose)
         self.space.add(observed.looks)
-        before = replace(self.offset)
+        before = self.offset.copy()
         found = self._explained(frame, pose)
         if pose is not None and found.strange >= STRANGE_LEAST:
             found = self._elsewhere(frame, pose, found, before)
@@ -116,7 +115,7 @@ class Matcher:
         """
         new, kept = self._parameters.new_thing_odds, self.offset
         lost = before.lost(pose)
-        self.offset = replace(lost)
+        self.offset = lost.copy()
         other = self._explained(frame, pose)
         jumped = other.worth(new) + self.offset.likely(lost) - JUMP_ODDS
         if jumped > found.worth(new) + kept.likely(before):
@@ -138,7 +137,7 @@ class Matcher:
         scoring = self._scoring(part, things)
         strange, misplaced = self._ranges.find(part, pose, self.offset, things, scoring)
         misplaced = {new[k]: each for k, each in misplaced.items()}
-        return replace(found, misplaced=misplaced, strange=strange)
+        return found._replace(misplaced=misplaced, strange=strange)
 
     def _assigned(self, frame: Frame) -> Assigned:
         """Return the likeliest assignment; corrects the frame's offset by it."""
@@ -148,7 +147,7 @@ class Matcher:
         if not things:
             none = np.zeros((len(frame.observed.things), 0))
             taken = [-1] * len(none)
-            return Assigned([], taken, taken, none, Scoring(none, none), none)
+            return Assigned([], taken, taken, none, Scoring(none, none), none, {}, 0)
         scoring = self._scoring(frame, things)
         ratios = self._place_ratios(frame, aim, gated.columns)
         place = gated.by_thing(ratios)
@@ -161,7 +160,8 @@ class Matcher:
             place = gated.by_thing(ratios)
             score = scoring.total(place)
             taken = likelihood.assign(score, new)
-        return Assigned(things, taken, gated.at(ratios[0], taken), place, scoring, score)
+        at = gated.at(ratios[0], taken)
+        return Assigned(things, taken, at, place, scoring, score, {}, 0)
 
     def _at(self, row: int) -> Place | None:
         return self._memory.positions.owners[row][1] if row >= 0 else None

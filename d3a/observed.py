@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,8 +19,7 @@ _UNKNOWN = (math.nan,) * 3
 _EXACT = (0.0,) * 6
 
 
-@dataclass(frozen=True, slots=True)
-class Observed:
+class Observed(NamedTuple):
     """The n things of a frame, of which there is one at least. Unknown looks are zeros.
 
     spots: their positions, None where unknown; places: the same (3, n), NaN where unknown. errors:

@@ -15,6 +15,7 @@ from dataclasses import dataclass, field, fields, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from d3a.frozen import maker
 from d3a.model import Box, Camera, Detection, Json, Pose
 from d3a.parameters import Parameters
 from d3a.store.base import Sighting, StayKey
@@ -75,19 +76,10 @@ class Interval:
     @classmethod
     def of(cls, ref: FrameRef, detection: Detection) -> Interval:
         """Return the interval of a single view."""
-        return cls(
-            start_ms=ref.time_ms,
-            end_ms=ref.time_ms,
-            seen=1,
-            probability=detection.probability,
-            category=detection.category,
-            frame=ref.name,
-            keyframe_ms=ref.time_ms,
-            box=detection.box,
-            image=ref.image,
-            viewer=ref.viewer,
-            recording=ref.recording,
-        )
+        return _interval(
+            ref.time_ms, ref.time_ms, 1, detection.probability, detection.category, ref.name,
+            ref.time_ms, detection.box, ref.image, ref.viewer, ref.recording,
+        )  # fmt: skip
 
     @classmethod
     def from_sighting(cls, sighting: Sighting) -> Interval:
@@ -138,13 +130,13 @@ class Interval:
                 self.image, self.viewer, self.recording,
             )  # fmt: skip
         start_ms, end_ms = min(self.start_ms, ref.time_ms), max(self.end_ms, ref.time_ms)
-        return Interval(start_ms, end_ms, self.seen + 1, *shown)
+        return _interval(start_ms, end_ms, self.seen + 1, *shown)
 
     def union(self, other: Interval) -> Interval:
         """Return both as one, with the better keyframe."""
         is_better = (-other.probability, other.keyframe_ms) < (-self.probability, self.keyframe_ms)
         best = other if is_better else self
-        return Interval(  # `replace` takes four times as long, and this is done for each view
+        return _interval(
             min(self.start_ms, other.start_ms),
             max(self.end_ms, other.end_ms),
             self.seen + other.seen,
@@ -180,6 +172,8 @@ class Interval:
         return cls(**(record | parts))
 
 
+_interval = maker(Interval)
+"""Each view of a thing makes one."""
 INTERVAL_FIELDS = tuple(f.name for f in fields(Interval))
 
 
@@ -236,6 +230,8 @@ class Became:
 
 
 Event = Seen | Became
+seen_as = maker(Seen)
+"""Makes a `Seen`: there is one for each detection."""
 
 
 def entry_name(stay: StayKey) -> str:

@@ -13,6 +13,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from d3a.frozen import maker
 from d3a.geometry import iou
 from d3a.model import Detection
 from d3a.parameters import Parameters, Weighing
@@ -281,6 +282,10 @@ class Thing:
         return replace(self, detection=nowhere)
 
 
+_thing = maker(Thing)
+"""Each detection makes one."""
+
+
 def things(detections: Sequence[Detection], parameters: Parameters) -> list[Thing]:
     """Return the things of a frame: boxes that nearly coincide are one thing named twice.
 
@@ -288,7 +293,7 @@ def things(detections: Sequence[Detection], parameters: Parameters) -> list[Thin
     bench). Default profile: it replaces the window, as its tier 2 needs no second frame.
     """
     if len(detections) < 2:
-        return [Thing(d, ((d.category, d.probability),), (d,)) for d in detections]
+        return [_thing(d, ((d.category, d.probability),), (d,)) for d in detections]
     free = dict.fromkeys(range(len(detections)))
     found = []
     for i in sorted(free, key=lambda i: (-detections[i].probability, i)):
@@ -303,5 +308,5 @@ def things(detections: Sequence[Detection], parameters: Parameters) -> list[Thin
         votes: dict[str, float] = {}
         for each in rows:
             votes[each.category] = max(votes.get(each.category, 0.0), each.probability)
-        found.append(Thing(detections[i], tuple(sorted(votes.items())), tuple(rows)))
+        found.append(_thing(detections[i], tuple(sorted(votes.items())), tuple(rows)))
     return found

@@ -31,7 +31,7 @@ from d3a.parameters import Parameters
 from d3a.positions import Row
 from d3a.recall import FIRST_NUMBER, Recall, is_histogram
 from d3a.reconcile import Corrected
-from d3a.sightings import Became, Event, FrameRef, Interval, Scene, Seen, entry_name
+from d3a.sightings import Became, Event, FrameRef, Interval, Scene, entry_name, seen_as
 from d3a.singles import Singles
 from d3a.store.base import StayKey, TaughtName
 from d3a.symmetric import added, minus
@@ -174,7 +174,7 @@ class TrackerPipeline:
         key = (thing.object_id, place.number)
         self._grow(place, ref, detection, key)
         name = entry_name(key)
-        self._events += [Seen(row.row, ref.name, row.box, name) for row in found.rows]
+        self._events += [seen_as(row.row, ref.name, row.box, name) for row in found.rows]
 
     def _grow(self, place: Place, ref: FrameRef, detection: Detection, key: StayKey) -> None:
         """Extend the open interval, or close it and begin another."""
