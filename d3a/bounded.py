@@ -16,7 +16,14 @@ from d3a.match import Candidate
 from d3a.moments import Found, joined
 from d3a.rank import LEAST_OF_BEST, TENTATIVE
 from d3a.run import Run, milliseconds
-from d3a.steps import FilterPlace, FindSightings, JudgeAttributes, KeepPresent, Relate
+from d3a.steps import (
+    FilterPlace,
+    FindSightings,
+    Gather,
+    JudgeAttributes,
+    KeepPresent,
+    Relate,
+)
 from d3a.store.base import Encounter, Sighting
 
 READ_A_KEYFRAME = 2
@@ -55,7 +62,8 @@ def find_joined(run: Run, step: FindSightings) -> None:
     table = run.found[step.var]
     start, end = milliseconds(step.start), milliseconds(step.end)
     counted = run.query.ask in ("count", "how_long", "how_often")
-    if run.query.relation is not None and start is None and end is None and not counted:
+    joins = run.query.relation is not None or any(isinstance(s, Gather) for s in run.steps)
+    if joins and start is None and end is None and not counted:
         for var in run.found.keys() - run.reached:
             reach = run.facts.reach(run.found[var].ids, MOST_JOINED)
             if reach is not None:

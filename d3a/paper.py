@@ -3,6 +3,9 @@
 Window, STM and store, with the readings of `tier1`, `tier2` and `tier3`. It keeps no record of
 shared frames: the paper answers "together" by the union of both objects' keyframes. While an
 entry is in the STM its records are volatile, so that a question sees them; tier 3 replaces them.
+So the id that a thing has while a recording is taken in is its instance's: what tier 3 then finds
+in the store takes the id that it has there, and its place a small number. Where an ingest was
+interrupted changes neither: in the end both are as if it had not been.
 """
 
 from __future__ import annotations

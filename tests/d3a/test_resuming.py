@@ -193,6 +193,24 @@ def test_a_second_recording_goes_on_with_the_things_of_the_first() -> None:
     assert len(store.recordings()) == 2
 
 
+@pytest.mark.parametrize("profile", ["default", "paper"])
+@pytest.mark.parametrize("cut", [5, 20, 44])
+def test_a_second_recording_that_was_interrupted_is_the_whole(profile: str, cut: int) -> None:
+    drawn = [("cup", 0, 1, 0), ("bowl", 3, 2, 0), ("book", 5, 0, 0)]
+    later = [replace(f, time_ms=f.time_ms + 86_400_000) for f in world(drawn, 4)]
+    first = ListReader(world(drawn, 3))
+    second = ListReader(later, RecordingFacts("later", zone="UTC"))
+    whole, parts = OracleStore(), OracleStore()
+    for store in (whole, parts):
+        ingest(first, store, small(profile))
+    known = {record.object_id for record in whole.objects()}
+    ingest(second, whole, small(profile))
+    ingest(second, parts, small(profile), max_frames=cut)
+    ingest(second, parts, small(profile))
+    assert list(parts.dump()) == list(whole.dump())
+    assert known <= {record.object_id for record in whole.objects()}
+
+
 def test_an_open_recording_is_ended_before_another_begins() -> None:
     drawn = [("cup", 0, 1, 0), ("bowl", 3, 2, 0)]
     store = OracleStore()
