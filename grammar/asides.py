@@ -23,9 +23,11 @@ _JOINTS = words_of(", - ; but and so then because since")
 _TELLERS = words_of("i we it let please there maybe perhaps could can would will may might just")
 _TELLING = words_of(
     "know ask wonder wondering interested curious remember recall forgot forget forgotten me us "
-    "find figure work check see learn hear say idea clue hint sure out is in of about at"
+    "find figure work check see learn hear say idea clue hint sure out is in of about at "
+    "asks asked asking wonders myself up"
 )
 """What comes right before a question that is told: i would love to know where it is."""
+_ASKING_FOR = words_of("asks asked asking wants wonders")
 _ASKING_YOU = ("ask", "asking", "trouble", "bother")
 _ASKERS = words_of("who whom whose why what where when which how whether whereabouts")
 _PAST = words_of("was were did have has had saw seen")
@@ -128,7 +130,8 @@ def _told(texts: list[str], i: int) -> bool:
     """Whether a question that is told stands at `i`: i would love to know where it is."""
     starts = texts[i] in QUESTION_WORDS or texts[i] == "if"
     telling = texts[i - 1] in _TELLING or (texts[i - 1] == "you" and texts[i - 2] in _ASKING_YOU)
-    return starts and texts[0] in _TELLERS and telling
+    tells = texts[0] in _TELLERS or not _ASKING_FOR.isdisjoint(texts[:i])
+    return starts and tells and telling
 
 
 def _heads_of(words: list[Word]) -> Iterator[list[Word]]:

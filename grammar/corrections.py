@@ -43,6 +43,9 @@ def _without_commas(before: list[Word], after: list[Word]) -> tuple[list[Word], 
     return before, after
 
 
+_AFTER_NO = words_of(
+    "longer one more other later earlier sooner less rush hurry worries problem matter idea clue"
+)
 HESITATING = words_of("er erm uh uhh um umm uhm hm hmm well")
 """Between commas these correct a like thing said before them, and else say nothing."""
 _MARKING_AFTER = ("i mean", "i meant", "rather", "sorry", "i should say")
@@ -94,19 +97,32 @@ def _corrects(words: list[Word], i: int, count: int) -> bool:
     if said in HESITATING and count == 1:
         return before == "," and following == ","
     if said in ("no", "nope") and count == 1:
-        if following in ("longer", "one", "more", "other", "later", "earlier", "sooner", "less"):
+        if following in _AFTER_NO:
             return False
         return (
             before == ","
             or is_open(before)
+            or before[:1].isdecimal()
             or _kind(before, None) is not None
             or before in ("on", "in", "the", "my", "under")
         )
     if said == "actually" and count == 1:
-        return following in _DETERMINERS
+        return _said_anew(words[:i], words[i + 1 :])
     if said in ("rather", "make", "wait", "actually", "sorry"):
         return following not in ("than",)
     return True
+
+
+def _said_anew(before: list[Word], after: list[Word]) -> bool:
+    """Whether what follows is said instead of its like: on monday actually on tuesday."""
+    following = after[0].text
+    if following in _DETERMINERS or following.endswith("'s"):
+        return True
+    told, anew = (timespan.find([w.text for w in part]) for part in (before, after))
+    if told and anew and told[-1].last == len(before) and anew[0].first == 0:
+        return True
+    places = [w.text for w in before[1:-1] if w.text in _PREPOSITIONS]
+    return bool(places) and following in _PREPOSITIONS
 
 
 def _replaced(before: list[Word], after: list[Word], lexicon: Lexicon) -> list[Word]:

@@ -32,8 +32,15 @@ def sentences(words: list[Word]) -> list[list[Word]]:
         if word.text in _ENDS:
             found.append([])
         else:
-            found[-1].append(replace(word, text=",") if word.text == ":" else word)
+            pause = word.text == ":" or (word.text == "-" and _breaks_off(words, i))
+            found[-1].append(replace(word, text=",") if pause else word)
     return [part for sentence in found if sentence for part in _parted(sentence)]
+
+
+def _breaks_off(words: list[Word], i: int) -> bool:
+    """Whether the dash at `i` stands beside a mark of correction: the cup - no - the bowl."""
+    marks = sections()["correction"]
+    return marks.at(words, i + 1) > 0 or marks.ending(words[max(0, i - 3) : i]) > 0
 
 
 def _dotted(words: list[Word], i: int) -> bool:
@@ -220,7 +227,7 @@ def _no_filler(words: list[Word], i: int, count: int, kept: list[Word]) -> bool:
         return before in numbers.CARDINALS
     if words[i].text == "you":
         following = words[i + count].text if i + count < len(words) else ""
-        return before in AUXILIARIES or before == "if" or following in (*QUESTION_WORDS, "if")
+        return before in (*AUXILIARIES, "would", "if") or following in (*QUESTION_WORDS, "if")
     return False
 
 
@@ -242,6 +249,8 @@ def _opened(words: list[Word]) -> list[Word]:
             i += count
             if i < len(words) and words[i].text == "that":
                 i += 1
+            if [w.text for w in words[i : i + 2]] in _FOR_WHOM:
+                i += 2  # could you find out for me
             continue
         if words[i].text == ",":
             i += 1
@@ -255,6 +264,9 @@ def _opened(words: list[Word]) -> list[Word]:
             continue
         break
     return words[i:]
+
+
+_FOR_WHOM = (["for", "me"], ["for", "us"])
 
 
 def _said_in_earnest(words: list[Word], i: int, count: int) -> bool:
@@ -281,6 +293,9 @@ def _clause_follows(words: list[Word], i: int) -> bool:
         "to",
         "of",
         "me",
+        "for",
+        "us",
+        "robot",
     ):
         k += 1
     return k < len(words) and (

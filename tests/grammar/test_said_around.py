@@ -115,6 +115,8 @@ def test_a_speaker_mends_what_she_said(said: str, plainly: str) -> None:
         ("is there a rake set up in the attic", "is there a rake in the attic"),
         ("what is inn the box", "what is in the box"),
         ("where did eye leave my rake", "where did i leave my rake"),
+        ("which places did you see my rake", "in which places did you see my rake"),
+        ("what used to be on the shelf", "what was on the shelf"),
         ("where lies the ruler", "where is the ruler"),
         ("where are the boots from anna", "where are anna's boots"),
         ("report the last known position of the rake", "where was the rake last seen"),
@@ -132,3 +134,68 @@ def test_a_speaker_mends_what_she_said(said: str, plainly: str) -> None:
 )
 def test_another_order_of_words_asks_the_same(said: str, plainly: str) -> None:
     assert alike(said, plainly)
+
+
+ASKED = (
+    "where is my green jar",
+    "did you see anna's rake yesterday",
+    "is there no rug in the attic",
+    "how many jars are on the shelf",
+)
+
+
+@pytest.mark.parametrize(
+    "said",
+    [
+        "oh my god {}",
+        "quick question: {}",
+        "do me a favor: {}",
+        "not sure if you know but {}",
+        "I'm back. {}",
+        "{}, no rush",
+        "{}, would you know",
+        "{} thank you very much",
+        "{}, any idea",
+        "{}, honey",
+        "{}, pretty please",
+        "{}, just asking",
+    ],
+)
+@pytest.mark.parametrize("asked", ASKED)
+def test_what_stands_before_or_after_changes_nothing(said: str, asked: str) -> None:
+    assert alike(said.format(asked), asked)
+
+
+@pytest.mark.parametrize(
+    "opening",
+    [
+        "my neighbour wants to know",
+        "mom asks",
+        "I keep asking myself",
+        "I am asking you",
+        "help me figure out",
+        "could you find out for me",
+        "please tell me, robot,",
+        "it would be useful to know",
+    ],
+)
+def test_a_question_may_be_told(opening: str) -> None:
+    assert alike(f"{opening} where my green jar is", "where is my green jar")
+    assert alike(f"{opening} how many jars are on the shelf", "how many jars are on the shelf")
+
+
+@pytest.mark.parametrize(
+    "mark", ["no", "I mean", "or rather", "actually", ", sorry,", "... no,", "- no -", "wait no"]
+)
+@pytest.mark.parametrize(
+    ("asked", "first", "then"),
+    [
+        ("where is {}", "the rake", "the broom"),
+        ("have you seen {} today", "my keys", "anna's keys"),
+        ("where was the jar {}", "on the 3rd", "on the 4th of march"),
+        ("did you see the jar {}", "last night", "this morning"),
+        ("is the jar {}", "on the shelf", "under the bench"),
+    ],
+)
+def test_the_later_words_count(asked: str, first: str, then: str, mark: str) -> None:
+    assert alike(asked.format(f"{first} {mark} {then}"), asked.format(then))
