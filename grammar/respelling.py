@@ -11,7 +11,7 @@ from dataclasses import replace
 from functools import lru_cache
 from itertools import islice, product
 
-from grammar import scope
+from grammar import scope, spelling
 from grammar.forms import Correction
 from grammar.phrases import phrases
 from grammar.words import Word
@@ -88,8 +88,9 @@ def _is_slip(said: str, meant: str) -> bool:
     if len(said) == len(meant):
         wrong = [k for k, (a, b) in enumerate(zip(said, meant, strict=True)) if a != b]
         swapped = len(wrong) == 2 and wrong[1] == wrong[0] + 1 and sorted(said) == sorted(meant)
+        beside = len(wrong) == 1 and spelling.beside(said[wrong[0]], meant[wrong[0]])
         vowel = meant in _SMALL and len(wrong) == 1 and {said[wrong[0]], meant[wrong[0]]} <= _VOWELS
-        return swapped or vowel
+        return swapped or vowel or beside
     if len(said) + 1 == len(meant):
         return any(meant[:k] + meant[k + 1 :] == said for k in range(1, len(meant)))
     twice = [k for k in range(1, len(said)) if said[k] == said[k - 1]]

@@ -36,6 +36,8 @@ def _meant(words: StoreWords) -> frozenset[str]:
     targets.update((*tw.WEEKDAYS, *tw.MONTHS, *tw.PARTS, "yesterday", "today", "tonight"))
     targets.update(("where", "what", "when", "which", "there", "between", "behind", "under"))
     targets.update(("beside", "together", "without", "many", "last", "before", "after", "since"))
+    targets.update(("moved", "changed", "missing", "disappeared", "vanished", "happened"))
+    targets.update(("three", "seven", "eight", "eleven", "twelve", "twenty", "thirty", "noon"))
     return frozenset(targets)
 
 
@@ -74,7 +76,7 @@ def corrected(
     changed: list[Correction] = []
     for i, word in enumerate(words):
         taken = _misread(word, knows) or _small_word(words, i, knows, lex)
-        taken = taken or _taken(word, knows, store, lex)
+        taken = taken or _taken(word, knows, store, lex, located=_located(words, i))
         if taken is not None:
             changed.append(Correction(word.text, taken, word.start))
             word = replace(word, text=taken)
@@ -82,7 +84,16 @@ def corrected(
     return out, tuple(changed)
 
 
-def _taken(word: Word, known: frozenset[str], store: StoreWords, lex: Lexicon) -> str | None:
+def _located(words: list[Word], i: int) -> bool:
+    """Whether a place is due at `i`: in the kithen."""
+    before = [w.text for w in words[max(0, i - 2) : i]]
+    return before[:1] == ["in"] and before[-1] in ("in", "the", "my", "our")
+
+
+def _taken(
+    word: Word, known: frozenset[str], store: StoreWords, lex: Lexicon, *, located: bool = False
+) -> str | None:
+    """Return the word that an unknown one is a slip of. located: a place is due, and preferred."""
     text = word.text
     if text in known or len(text) < _MIN_LETTERS or not text.isalpha() or not is_open(text):
         return None
@@ -97,6 +108,8 @@ def _taken(word: Word, known: frozenset[str], store: StoreWords, lex: Lexicon) -
     if not nearest and text.endswith("s") and len(text) > _MIN_LETTERS:
         one = _nearest(lex.singular(text), targets, reach)
         nearest = [inflection.plural(target, lex.plurals) for target in one]
+    if len(nearest) > 1 and located:
+        nearest = [target for target in nearest if target in lex.places] or nearest
     if len(nearest) > 1:
         alike = [target for target in nearest if target[-2:] == text[-2:]]
         nearest = alike or nearest
@@ -163,6 +176,8 @@ def _small_word(words: list[Word], i: int, known: frozenset[str], lex: Lexicon) 
     question word or first: `where si`.
     """
     text = words[i].text
+    if not i and len(text) <= _MIN_LETTERS + 1 and (asked := _first_word(text, known, words)):
+        return asked
     if text in known or not 1 < len(text) <= _MIN_LETTERS or not text.isalpha():
         return None
     if lex.singular(text) in known:
@@ -178,6 +193,15 @@ def _small_word(words: list[Word], i: int, known: frozenset[str], lex: Lexicon) 
     return None
 
 
+def _first_word(text: str, known: frozenset[str], words: list[Word]) -> str | None:
+    """Return the question word that the first word is a slip of: whay is on the desk."""
+    if text in known or not text.isalpha() or len(words) < 3:
+        return None
+    meant = [word for word in _ASKING if _slip_of(text, (word,)) == word]
+    return meant[0] if len(meant) == 1 else None
+
+
+_ASKING = ("where", "what", "when", "which", "how", "have")
 _TIMED = frozenset((*tw.PARTS, *tw.WEEKDAYS, "week", "weekend", "month", "year"))
 _DETERMINING = words_of(
     "a an the this that these those my your our his her its their some any no and or"
@@ -193,9 +217,14 @@ def _slip_of(said: str, meant: tuple[str, ...]) -> str | None:
         if len(word) > 2 and any(word[:k] + word[k + 1 :] == said for k in range(1, len(word))):
             return word
     for word in meant:
+        doubled = (k for k in range(1, len(said)) if said[k] == said[k - 1])
+        twice = any(said[:k] + said[k + 1 :] == word for k in doubled)
+        if twice and len(word) > 2:
+            return word
+    for word in meant:
         pairs = [(a, b) for a, b in zip(said, word, strict=False) if a != b]
         same_length = len(word) == len(said) and len(pairs) == 1 and word[0] == said[0]
-        if same_length and _beside(*pairs[0]):
+        if same_length and beside(*pairs[0]):
             return word
     return None
 
@@ -204,12 +233,15 @@ def _is_slip(said: str, meant: str) -> bool:
     """Whether `said` may be a slip of `meant` and is no other word by the look of it."""
     if said[0] != meant[0] and said[:2] != meant[1::-1]:
         return False
+    forms = (end for end in _FORMS if said.endswith(end) and len(said) > len(end) + 2)
+    if any(not meant.endswith(end) for end in forms):
+        return False  # mixed is no mixer
     if len(said) > 5 and _undoubled(said) == _undoubled(meant):
         return True
     if len(said) == len(meant):
         differing = [(a, b) for a, b in zip(said, meant, strict=True) if a != b]
         if len(differing) == 1:
-            near = _beside(*differing[0]) or {*differing[0]} in _ALIKE
+            near = beside(*differing[0]) or {*differing[0]} in _ALIKE
             return len(said) > _MIN_LETTERS and near
         if sorted(said) == sorted(meant):
             return True
@@ -217,7 +249,11 @@ def _is_slip(said: str, meant: str) -> bool:
     if len(said) > len(meant):
         return len(meant) >= _MIN_LETTERS and (_doubles(said, meant) or len(said) >= 7)
     plural = meant == said + "s" and not meant.endswith("ss")
-    return not (plural or meant.endswith("ing"))
+    return not (plural or (meant.endswith("ing") and meant not in ("morning", "evening")))
+
+
+_FORMS = ("ed", "ing", "est", "ly", "ness", "tion", "able")
+"""Endings by which a word is one of its own."""
 
 
 def _struck_beside(said: str, meant: str) -> bool:
@@ -225,7 +261,7 @@ def _struck_beside(said: str, meant: str) -> bool:
     from rapidfuzz.distance import Levenshtein
 
     swapped = [op for op in Levenshtein.editops(said, meant) if op.tag == "replace"]
-    return all(_beside(said[op.src_pos], meant[op.dest_pos]) for op in swapped)
+    return all(beside(said[op.src_pos], meant[op.dest_pos]) for op in swapped)
 
 
 def _undoubled(word: str) -> str:
@@ -238,12 +274,12 @@ def _doubles(said: str, meant: str) -> bool:
     for i, letter in enumerate(said):
         if said[:i] + said[i + 1 :] == meant:
             around = said[max(0, i - 1) : i] + said[i + 1 : i + 2]
-            return any(letter == other or _beside(letter, other) for other in around)
+            return any(letter == other or beside(letter, other) for other in around)
     return False
 
 
 @lru_cache(maxsize=1024)
-def _beside(a: str, b: str) -> bool:
+def beside(a: str, b: str) -> bool:
     """Whether two letters are neighbours on the keyboard, or both vowels."""
     if a in "aeiouy" and b in "aeiouy":
         return True
