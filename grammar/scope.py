@@ -35,14 +35,15 @@ def _lists() -> dict[str, frozenset[str]]:
 
 
 @lru_cache(maxsize=1)
-def _openings() -> tuple[tuple[tuple[str, ...], tuple[tuple[str, ...], ...]], ...]:
-    """Return each opening that is refused, with what excuses it when it goes on so."""
-    found = []
+def _openings() -> dict[str, list[tuple[tuple[str, ...], tuple[tuple[str, ...], ...]]]]:
+    """Return the openings that are refused by their first word, with what excuses each after it."""
+    found: dict[str, list[tuple[tuple[str, ...], tuple[tuple[str, ...], ...]]]] = {}
     for line in sorted(_lists()["opening"]):
         opening, _, excuses = line.partition("~")
         goes_on = tuple(tuple(said.split()) for said in files.split(excuses))
-        found.append((tuple(opening.split()), goes_on))
-    return tuple(found)
+        said = tuple(opening.split())
+        found.setdefault(said[0], []).append((said, goes_on))
+    return found
 
 
 def spoken() -> tuple[str, ...]:
@@ -90,7 +91,7 @@ def refuse_early(
         raise _out(text, words[-1], "It knows no states of things", rest, lexicon)
     if _use_asked(texts) or _usable(texts) or _in_sight(texts):
         raise _out(text, words[0], "A memory of sightings gives no advice", rest, lexicon)
-    for opening, excuses in _openings():
+    for opening, excuses in _openings().get(texts[0], ()):
         if tuple(texts[: len(opening)]) != opening:
             continue
         after = tuple(texts[len(opening) :])

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from operator import eq
+
 from grammar import numbers
 from grammar.closed import is_open, words_of
 from grammar.sayings import AUXILIARIES, QUESTION_STARTS, QUESTION_WORDS
@@ -76,6 +78,9 @@ def _without_stutter(words: list[Word], lexicon: Lexicon) -> list[Word]:
     """Take out a word or up to four words said twice in a row: `where is where is the the cup`."""
     kept = _placed_once(words)
     for size in (4, 3, 2, 1):
+        texts = [w.text for w in kept]
+        if not any(map(eq, texts, texts[size:])):
+            continue  # most say no word twice at this distance
         i = 0
         out: list[Word] = []
         while i < len(kept):

@@ -39,13 +39,13 @@ class Tagger(OpenTagger):
 
     def run(self) -> Tagged:
         """Tag every word; what nothing reads becomes UNKNOWN, which no rule takes."""
+        steps = (
+            self._joint_part, self._bounded, self._mark, self._clause, self._place, self._topic,
+            self._negation, self._part, self._owning, self._noun_as_subject, self._owner,
+            self._closed_noun, self._phrase, self._plain,
+        )  # fmt: skip
         while self.i < len(self.words):
-            for step in (
-                self._joint_part, self._bounded, self._mark, self._clause, self._place, self._topic,
-                self._negation, self._part, self._owning,
-                self._noun_as_subject, self._owner,
-                self._closed_noun, self._phrase, self._plain,
-            ):  # fmt: skip
+            for step in steps:
                 if step():
                     break
             else:
