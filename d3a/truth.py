@@ -120,6 +120,11 @@ def read_truth(folder: Path) -> Truth:
         objects = tuple(_object(record) for record in lines_of(path))
         owner = np.full(len(rows), -1, dtype=np.intp)
         for k, one in enumerate(objects):
+            for row in one.detections:
+                if not 0 <= row < len(rows):
+                    raise ValueError(
+                        f"{one.name} is of row {row}, and detections.jsonl has {len(rows)} rows"
+                    )
             owner[list(one.detections)] = k
     with _judged(folder, "a recording that can be judged, with every line whole"):
         return _truth(objects, owner, list(lines_of(folder / "frames.jsonl")), rows)
@@ -130,13 +135,17 @@ def _judged(path: Path, wanted: str) -> Iterator[None]:
     try:
         yield
     except (LookupError, TypeError, ValueError) as error:
-        raise BadInput(f"{path} is not {wanted}: {error!r}") from error
+        said = f"a line lacks {error}" if isinstance(error, KeyError) else str(error)
+        raise BadInput(f"{path} is not {wanted}: {said}") from error
 
 
 def _truth(
     objects: tuple[TrueObject, ...], owner: NDArray[np.intp], frames: list[Json], rows: list[Json]
 ) -> Truth:
     times = {row["frame"]: milliseconds(row["time"]) for row in frames}
+    for row in rows:
+        if row["frame"] not in times:
+            raise ValueError(f"frames.jsonl does not list {row['frame']!r}, which has detections")
     nowhere = (float("nan"),) * 3
     return Truth(
         objects=objects,

@@ -272,3 +272,22 @@ def test_says_what_cannot_be_judged(tmp_path: Path, name: str, text: str) -> Non
     (tmp_path / name).write_text(text, encoding="utf-8")
     with pytest.raises(BadInput, match="is not a"):
         read_truth(tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "said"),
+    [
+        ("detections.jsonl", "", "is of row 0, and detections.jsonl has 0 rows"),
+        ("frames.jsonl", "", "does not list '000001', which has detections"),
+        ("truth.jsonl", '{"object": "cup-1"}\n', "a line lacks 'category'"),
+    ],
+)
+def test_what_cannot_be_judged_is_said(tmp_path: Path, name: str, text: str, said: str) -> None:
+    detection = '{"frame": "000001", "category": "cup", "probability": 1, "box": [0, 0, 1, 1]}\n'
+    truth = '{"object": "cup-1", "category": "cup", "places": [], "detections": [0]}\n'
+    frame = '{"frame": "000001", "time": "2020-02-24T09:00:00-05:00"}\n'
+    written = {"detections.jsonl": detection, "truth.jsonl": truth, "frames.jsonl": frame}
+    for file, content in (written | {name: text}).items():
+        (tmp_path / file).write_text(content, encoding="utf-8")
+    with pytest.raises(BadInput, match=said):
+        read_truth(tmp_path)
