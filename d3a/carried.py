@@ -15,6 +15,7 @@ from d3a.linked import Link, agreed, numbered, pairs_of
 from d3a.moments import Found, extents, positions
 from d3a.pairs import Floats, Pairs, normal_cdf, swapped
 from d3a.parameters import Parameters
+from d3a.standing import within_reach
 from d3a.store.base import StayKey
 
 CONTACT_M = 2.0
@@ -101,16 +102,10 @@ def _rivals(met: Sequence[Link], figure: Found, carriers: Found) -> tuple[list[i
     keys = sorted(carriers.stays)
     here = positions([figure.stays.get(link.figure) for link in met])
     there = positions([carriers.stays[key] for key in keys])
-    order = np.argsort(there[:, 0], kind="stable")
-    low = np.searchsorted(there[order, 0], here[:, 0] - CONTACT_M)
-    high = np.searchsorted(there[order, 0], here[:, 0] + CONTACT_M, side="right")
-    counts = high - low
-    row = np.repeat(np.arange(len(met)), counts)
-    column = order[np.repeat(low - np.cumsum(counts) + counts, counts) + np.arange(len(row))]
-    near = np.linalg.norm(there[column] - here[row], axis=1) <= CONTACT_M
+    row, column = within_reach(here, there, CONTACT_M)
     rows: list[int] = []
     found: list[Link] = []
-    for k, at in zip(row[near].tolist(), column[near].tolist(), strict=True):
+    for k, at in zip(row.tolist(), column.tolist(), strict=True):
         link, key = met[k], keys[at]
         if key[0] not in (link.figure[0], link.ground[0]):
             seen = link.seen()[0]

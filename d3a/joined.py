@@ -63,7 +63,7 @@ def between_moments(
         (one, two)
         for one in first
         for two in by_stay.get(one.figure, [])
-        if max(one.start_ms, two.start_ms) <= min(one.end_ms, two.end_ms)
+        if _at_once(one, two)
         and one.ground[0] != two.ground[0]
         and (grounds[0] is not grounds[-1] or one.ground[0] < two.ground[0])
     ]
@@ -78,9 +78,26 @@ def between_moments(
                 entry_of(grounds[0], one.seen()[1]),
                 entry_of(grounds[-1], two.seen()[1]),
             )
-            start, end = max(one.start_ms, two.start_ms), min(one.end_ms, two.end_ms)
-            out.append(Moment(entries, start, end, relation=float(p)))
+            out.append(Moment(entries, *_common(one, two), relation=float(p)))
     return out
+
+
+def _at_once(one: Link, two: Link) -> bool:
+    (begun, ended), (start, end) = one.stood, two.stood
+    return max(begun, start) <= min(ended, end)
+
+
+def _common(one: Link, two: Link) -> tuple[int, int]:
+    """Return the interval that is told of two links that stood at once.
+
+    Of what was seen of both; else of the later of the two, as far as both stood then.
+    """
+    start, end = max(one.start_ms, two.start_ms), min(one.end_ms, two.end_ms)
+    if start <= end:
+        return start, end
+    low, high = max(one.stood[0], two.stood[0]), min(one.stood[1], two.stood[1])
+    start, end = max(ordered(one), ordered(two))
+    return min(max(start, low), high), min(max(end, low), high)
 
 
 def without_relation(
@@ -99,7 +116,7 @@ def without_relation(
                 for probability in candidate.attributes.values():
                     weight *= probability
                 spans = free.setdefault(link.figure, [])
-                spans.append((link.start_ms, link.end_ms, weight))
+                spans.append((*link.stood, weight))
     out: list[Moment] = []
     for sighting in figure.sightings:
         absent = 1.0

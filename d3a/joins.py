@@ -7,7 +7,7 @@ Two things meet in a shared frame (an encounter), or where their intervals overl
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +18,7 @@ from d3a.linked import Link, agreed, pairs_of
 from d3a.model import Position
 from d3a.moments import Found
 from d3a.parameters import Parameters
+from d3a.standing import stood_together
 from d3a.store.base import Encounter, Sighting, StayKey
 from grammar.forms import RelationKind
 
@@ -216,43 +217,71 @@ class Related:
         """Whether the relation could be judged for any link, or there was none to judge."""
         return len(self.links) == 0 or not bool(np.isnan(self.probability).all())
 
+    @property
+    def holds(self) -> bool:
+        """Whether the relation is more likely than not for any link."""
+        return bool((self.probability >= HOLDS).any())  # False for NaN
 
-def relate(
-    kind: RelationKind,
-    figure: Found,
-    ground: Found,
-    encounters: Sequence[Encounter],
-    parameters: Parameters,
-    *,
-    once: bool = False,
-    usual: Collection[str] = (),
-    carriers: Found | None = None,
-) -> Related:
-    """Return where figure and ground meet, with how likely the relation held.
 
-    usual: the categories of what is usual as a ground: things lie on tables, under furniture.
+@dataclass(frozen=True, slots=True)
+class Asked:
+    """A relation that is asked of what was found for a figure and a ground.
+
+    once: each unordered pair once, for a symmetric relation of a category with itself. usual: the
+    categories of what is usual as a ground: things lie on tables, stand under furniture.
     carriers: what is large and stays: what lies on one of these does not lie on another.
     """
-    met = links(
-        figure,
-        ground,
-        encounters,
-        reach_m=_reach_m(kind, parameters),
-        timeless=kind == "same_place",
-        once=once,
-    )
-    apart = [link for link in met if kind != "together" or link.encounter is None]
-    pairs = pairs_of(apart, figure, ground, usual)
-    sides = met, pairs, figure, ground, carriers or Found(), parameters
-    if kind == "on":
-        return Related(met, lying_on(*sides))
-    held = relations.probability(kind, pairs, parameters)
-    if kind in CARRIED:
-        held = held * off_each_other(*sides)
-    if kind == "together":  # a shared frame settles it, whatever the geometry
-        told = iter(held.tolist())
-        held = np.array([1.0 if link.encounter is not None else next(told) for link in met])
-    return Related(met, agreed(met, held) if kind in STANDING else held)
+
+    kind: RelationKind
+    figure: Found
+    ground: Found
+    parameters: Parameters
+    once: bool = False
+    usual: Collection[str] = ()
+    carriers: Found = field(default_factory=Found)
+
+    def met(self, encounters: Sequence[Encounter]) -> Related:
+        """Return where figure and ground meet, with how likely the relation held."""
+        return self._judged(
+            links(
+                self.figure,
+                self.ground,
+                encounters,
+                reach_m=_reach_m(self.kind, self.parameters),
+                timeless=self.kind == "same_place",
+                once=self.once,
+            )
+        )
+
+    def stood(self, met: Related) -> Related:
+        """Return what was met, and what never met but stood at its places at one time."""
+        if self.kind not in STANDING | {"between"}:
+            return met
+        known = {(link.figure, link.ground) for link in met.links}
+        found = stood_together(
+            self.figure, self.ground, known, _reach_m(self.kind, self.parameters)
+        )
+        if self.once:
+            found = [k for k in found if not _is_mirrored(k, self.figure, self.ground)]
+        more = self._judged(found)
+        return Related(
+            [*met.links, *more.links], np.concatenate([met.probability, more.probability])
+        )
+
+    def _judged(self, met: list[Link]) -> Related:
+        # a shared frame settles that two were together, whatever the geometry
+        told = [k for k in met if self.kind != "together" or k.encounter is None]
+        pairs = pairs_of(told, self.figure, self.ground, self.usual)
+        sides = met, pairs, self.figure, self.ground, self.carriers, self.parameters
+        if self.kind == "on":
+            return Related(met, lying_on(*sides))
+        held = relations.probability(self.kind, pairs, self.parameters)
+        if self.kind in CARRIED:
+            held = held * off_each_other(*sides)
+        if self.kind == "together":
+            apart = iter(held.tolist())
+            held = np.array([next(apart) if k.encounter is None else 1.0 for k in met])
+        return Related(met, agreed(met, held) if self.kind in STANDING else held)
 
 
 def _reach_m(kind: RelationKind, parameters: Parameters) -> float:

@@ -25,7 +25,8 @@ class Link(NamedTuple):
     """Where a figure's and a ground's stay meet in time.
 
     encounter: the shared frame, flipped where the figure is its second object; None where only
-    the intervals overlap, then `sightings` are the two. A tuple: there are thousands of them.
+    the intervals overlap, then `sightings` are the two. standing: both were at their places from
+    then to then, though nothing was seen of both at once. A tuple: there are thousands of them.
     """
 
     figure: StayKey
@@ -35,6 +36,12 @@ class Link(NamedTuple):
     encounter: Encounter | None = None
     flipped: bool = False
     sightings: tuple[Sighting, Sighting] | None = None
+    standing: tuple[int, int] | None = None
+
+    @property
+    def stood(self) -> tuple[int, int]:
+        """Return the interval in which what is told of the link was so."""
+        return self.standing or ordered(self)
 
     def seen(self) -> tuple[Sighting, Sighting]:
         """Return figure and ground as sightings, those of the shared frame where there is one."""

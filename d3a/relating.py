@@ -14,7 +14,7 @@ from d3a.joined import (
     pair_moments,
     without_relation,
 )
-from d3a.joins import CARRIED, SYMMETRIC, Related, relate
+from d3a.joins import CARRIED, SYMMETRIC, Asked, Related
 from d3a.moments import Found, Moment, common_span
 from d3a.run import Run, milliseconds
 from d3a.steps import Gather, Relate
@@ -40,7 +40,10 @@ def relate_found(run: Run, step: Relate) -> None:
         return
     # each pair once is enough, but where it is asked of either whether the relation held
     once = step.kind in SYMMETRIC and step.keep == "moments" and not step.negated
-    found = [_related(run, step, figure, ground, once=once) for ground in grounds]
+    asked = [_asked(run, step, figure, ground, once=once) for ground in grounds]
+    found = [_met(run, step, one) for one in asked]
+    if not _is_told(step, figure, grounds, found):  # what no frame shows may have stood there
+        found = [one.stood(met) for one, met in zip(asked, found, strict=True)]
     if not all(one.judged for one in found):
         _find_all_stays(run, figure)
         run.leave_out(run.relation_words(step, [run.term(var) for var in step.vars[1:]]))
@@ -73,9 +76,29 @@ def _find_all_stays(run: Run, figure: Found) -> None:
         figure.stays = run.facts.stays_of(figure.sightings)
 
 
-def _related(
-    run: Run, step: Relate | Gather, figure: Found, ground: Found, *, once: bool
-) -> Related:
+def _is_told(
+    step: Relate, figure: Found, grounds: Sequence[Found], found: Sequence[Related]
+) -> bool:
+    """Return whether the relation held anywhere by what was seen at once."""
+    if step.kind == "between":
+        return bool(between_moments(figure, grounds, found))
+    return all(one.holds for one in found)
+
+
+def _asked(run: Run, step: Relate | Gather, figure: Found, ground: Found, *, once: bool) -> Asked:
+    return Asked(
+        step.kind,
+        figure,
+        ground,
+        run.parameters,
+        once=once,
+        usual=run.facts.usual_grounds(step.kind, run.lexicon),
+        carriers=run.facts.carriers(run.lexicon) if step.kind in CARRIED else Found(),
+    )
+
+
+def _met(run: Run, step: Relate | Gather, asked: Asked) -> Related:
+    figure, ground = asked.figure, asked.ground
     start, end = milliseconds(step.start), milliseconds(step.end)
     encounters: list[Encounter] = []
     if figure.sightings and ground.sightings:
@@ -89,16 +112,7 @@ def _related(
         )
     if finds_stays_late(run):
         find_stays_late(run, figure, ground, encounters)
-    return relate(
-        step.kind,
-        figure,
-        ground,
-        encounters,
-        run.parameters,
-        once=once,
-        usual=run.facts.usual_grounds(step.kind, run.lexicon),
-        carriers=run.facts.carriers(run.lexicon) if step.kind in CARRIED else None,
-    )
+    return asked.met(encounters)
 
 
 def gather(run: Run, step: Gather) -> None:
@@ -114,7 +128,8 @@ def gather(run: Run, step: Gather) -> None:
     ties = Ties(tables)
     for one, other in combinations_with_replacement(range(len(tables)), 2):
         if one != other or step.numbers[one] > 1:
-            related = _related(run, step, tables[one], tables[other], once=one == other)
+            asked = _asked(run, step, tables[one], tables[other], once=one == other)
+            related = _met(run, step, asked)
             if not related.judged:
                 run.moments = None
                 run.leave_out("together")

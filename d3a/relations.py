@@ -91,22 +91,15 @@ def probability(kind: RelationKind, pairs: Pairs, parameters: Parameters) -> Flo
 def between(first: Pairs, second: Pairs) -> Floats:
     """Return how likely a lies between b (of `first`) and c (of `second`), 0..1, (n,).
 
-    By positions: the foot of a on the line b-c is between its ends, and a is nearer to the line
-    than half of its length.
+    By positions: from a, the two others are on opposite sides, so that the angle is obtuse: a lies
+    in the ball around their middle that both are on.
     By boxes of a frame that shows all three, where positions do not tell.
     """
     a, b, c = first.position_a, first.position_b, second.position_b
-    line = c - b
-    length = np.linalg.norm(line, axis=1)
+    length = np.linalg.norm(c - b, axis=1)
+    off = np.linalg.norm(a - (b + c) / 2, axis=1)
     with np.errstate(invalid="ignore", divide="ignore"):
-        along = ((a - b) * line).sum(axis=1) / length
-        off = np.sqrt(np.maximum(((a - b) ** 2).sum(axis=1) - along**2, 0.0))
-        sigma = np.maximum(first.sigma, second.sigma)
-        by_place = (
-            normal_cdf(along / sigma)
-            * normal_cdf((length - along) / sigma)
-            * normal_cdf((length / 2 - off) / sigma)
-        )
+        by_place = normal_cdf((length / 2 - off) / np.maximum(first.sigma, second.sigma))
         x_a, x_b, x_c = (box_middle(box)[:, 0] for box in (first.box_a, first.box_b, second.box_b))
         scale = 0.25 * np.abs(x_c - x_b)
         low, high = np.minimum(x_b, x_c), np.maximum(x_b, x_c)

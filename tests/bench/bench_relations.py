@@ -36,7 +36,7 @@ import numpy as np
 from assistant.lexicon import VocabularyLexicon
 from d3a.facts import Facts
 from d3a.ingest import ingest
-from d3a.joins import HOLDS, SYMMETRIC, relate
+from d3a.joins import HOLDS, SYMMETRIC, Asked
 from d3a.linked import Link, pairs_of
 from d3a.match import Candidate
 from d3a.model import Box
@@ -180,14 +180,11 @@ class World:
     def between(self, a: Stay, b: Stay, c: Stay) -> bool | None:
         """Return whether a lies between b and c, None where nobody could say.
 
-        Its foot on the line is between the ends, and it is nearer to the line than half of that.
+        From it, the two others are on opposite sides: it is in the ball that both are on.
         """
         at, start, end = (np.array(self.solid(stay).centre) for stay in (a, b, c))
-        length = float(np.linalg.norm(end - start))
-        along = float((at - start) @ (end - start)) / max(length, TOUCHING_M)
-        off = float(np.sqrt(max(float((at - start) @ (at - start)) - along**2, 0.0)))
-        slack = min(along, length - along, length / 2 - off)
-        return None if abs(slack) < EVEN_M else slack > 0
+        slack = np.linalg.norm(end - start) / 2 - np.linalg.norm(at - (start + end) / 2)
+        return None if abs(slack) < EVEN_M else bool(slack > 0)
 
     def side(self, kind: str, a: Stay, b: Stay, frame: str) -> bool | None:
         """Return whether a is on that side of b in a frame, None where nobody could say."""
@@ -289,9 +286,8 @@ def judged(
     for kind in (*GIVEN, *DERIVED, *SIDES):
         once = kind in SYMMETRIC
         usual = Facts(store).usual_grounds(kind, VocabularyLexicon())
-        related = relate(
-            kind, found, found, encounters, parameters, once=once, usual=usual, carriers=carriers
-        )
+        asked = Asked(kind, found, found, parameters, once=once, usual=usual, carriers=carriers)
+        related = asked.stood(asked.met(encounters))
         pairs = [
             (link, bool(p >= HOLDS))
             for link, p in zip(related.links, related.probability, strict=True)
@@ -308,7 +304,7 @@ def _between(
 ) -> Tally:
     """Judge every three that one keyframe shows, the two others in either order once."""
     by_frame: dict[tuple[StayKey, str], list[Link]] = defaultdict(list)
-    for link in relate("between", found, found, encounters, parameters).links:
+    for link in Asked("between", found, found, parameters).met(encounters).links:
         if link.encounter is not None:
             by_frame[link.figure, link.encounter.frame].append(link)
     threes = [

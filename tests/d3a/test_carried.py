@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from d3a.carried import lying_on
-from d3a.joins import relate
+from d3a.joins import Asked
 from d3a.linked import Link, pairs_of
 from d3a.match import Candidate
 from d3a.model import Position
@@ -38,7 +38,7 @@ def found(**things: Thing) -> Found:
 
 
 def held(kind: RelationKind, figure: Found, ground: Found, carriers: Found | None) -> float:
-    related = relate(kind, figure, ground, (), DEFAULT, carriers=carriers)
+    related = Asked(kind, figure, ground, DEFAULT, carriers=carriers or Found()).met(())
     (p,) = related.probability.tolist()
     return float(p)
 
