@@ -45,6 +45,11 @@ LOOK_LEAST = -1.0
 PLAIN_LOOK, LEFT_LEAST = 3.0, 3.0
 """A look whose log-odds tell a thing from all others of its category; and log-odds of its absence
 from which a thing may be elsewhere, whatever it looks like. A link needs one of them."""
+TOLD = GONE_MOST + 3.0
+"""Evidence of absence from which a further look in vain tells nothing: it counted for the most
+before, as no look tells more than 3."""
+Last = tuple[Known, Place]
+"""A thing, and the place where it was seen last."""
 Pair = tuple[Known, int]
 """What may be a move: what turned up, and where in `Kind.lasts` what left is."""
 Came = Callable[[Known], float]
@@ -70,7 +75,7 @@ class Kind:
     by number, as it is asked for.
     """
 
-    lasts: list[tuple[Known, Place]]
+    lasts: list[Last]
     fresh: list[Known]
     looks: dict[int, list[float]]
     brought: float
@@ -106,16 +111,11 @@ class Moves:
         changed: numbers of the things that were seen, or missed, since the last call; a move has
         one of them at either end. By the numbers of the new and the old.
         """
-        of_kind = {
-            kind: [thing for thing in self._memory.of_kind(kind) if self._is_confirmed(thing)]
-            for kind in self._kinds(changed)
-        }
-        fresh_of = {kind: [t for t in each if _is_unexplained(t)] for kind, each in of_kind.items()}
-        for name, news in fresh_of.items():
-            self._compare([new for new in news if new.number not in self.compared], of_kind[name])
+        kinds = {name: self._lasts(name) for name in self._kinds(changed)}
+        for lasts, fresh in kinds.values():
+            self._compare([new for new in fresh if new.number not in self.compared], lasts)
         links: list[Link] = []
-        for name, things in of_kind.items():
-            fresh, lasts = fresh_of[name], [(thing, thing.latest) for thing in things]
+        for name, (lasts, fresh) in kinds.items():
             pairs = [
                 (new, k)
                 for k, (old, place) in enumerate(lasts)
@@ -123,22 +123,26 @@ class Moves:
                 for new in fresh
                 if place.last_ms < new.first_ms
                 and new is not old
-                and (new.number in changed or old.number in changed)
+                and (new.number in changed or (old.number in changed and place.evidence < TOLD))
             ]
             if pairs:
                 # Any other of the category may have come, or one that is not known.
-                brought = self._parameters.move_odds - math.log(len(things) - 1)
-                kind = Kind(lasts, fresh, self._looks_of(fresh, things, name), brought)
+                brought = self._parameters.move_odds - math.log(len(lasts) - 1)
+                kind = Kind(lasts, fresh, self._looks_of(fresh, lasts, name), brought)
                 links += [link for pair in pairs if (link := self._link(kind, *pair)) is not None]
         return sorted(links, key=lambda link: (link.new.number, link.old.number))
 
-    def _is_confirmed(self, thing: Known) -> bool:
-        return thing.seen >= self._parameters.confirm_sightings
-
     def _kinds(self, changed: set[int]) -> list[str]:
         """Return the categories of the confirmed ones of the changed things."""
+        least = self._parameters.confirm_sightings
         known = (self._memory.things.get(number) for number in changed)
-        return sorted({t.category for t in known if t is not None and self._is_confirmed(t)})
+        return sorted({t.category for t in known if t is not None and t.seen >= least})
+
+    def _lasts(self, kind: str) -> tuple[list[Last], list[Known]]:
+        """Return the confirmed things of a category, and those of them that turned up."""
+        least = self._parameters.confirm_sightings
+        lasts = [(t, t.latest) for t in self._memory.of_kind(kind) if t.seen >= least]
+        return lasts, [t for t, place in lasts if _is_unexplained(t, place)]
 
     def _link(self, kind: Kind, new: Known, k: int) -> Link | None:
         """Return the move to a fresh thing from the last place of `lasts[k]`, if it is plain.
@@ -191,13 +195,12 @@ class Moves:
             prior = max(prior, self._parameters.alike_odds)
         return math.exp(min(odds + prior, 50.0))
 
-    def _looks_of(
-        self, fresh: list[Known], things: list[Known], kind: str
-    ) -> dict[int, list[float]]:
+    def _looks_of(self, fresh: list[Known], lasts: list[Last], kind: str) -> dict[int, list[float]]:
         """Return the log-odds of the looks of things, by number of a fresh one and in their order.
 
         Minus infinity where one is unknown.
         """
+        things = [thing for thing, _ in lasts]
         if self._memory.looks.length == 0:
             return {new.number: [-math.inf] * len(things) for new in fresh}
         units = self._memory.looks.units(things, self._space)
@@ -219,11 +222,11 @@ class Moves:
         looks = self._memory.looks
         return np.asarray(looks.units(known, self._space) @ looks.unit(one, self._space))
 
-    def _compare(self, fresh: list[Known], confirmed: list[Known]) -> None:
+    def _compare(self, fresh: list[Known], lasts: list[Last]) -> None:
         """Learn from those that were seen elsewhere since: they are other things."""
         for new in fresh:
             self.compared.add(new.number)
-            others = [o for o in confirmed if o.last_ms >= new.first_ms and o is not new]
+            others = [o for o, _ in lasts if o.last_ms >= new.first_ms and o is not new]
             if others:
                 self._dense.clear()
                 counts = self.others.setdefault(new.category, [0.0] * BINS)
@@ -282,9 +285,9 @@ def _bins(likeness: Floats) -> NDArray[np.intp]:
     return np.asarray(((likeness + 1.0) / 2.0 * BINS).astype(np.intp).clip(0, BINS - 1))
 
 
-def _is_unexplained(thing: Known) -> bool:
+def _is_unexplained(thing: Known, place: Place) -> bool:
     """Say whether it turned up at one place and is not known from another."""
-    return len(thing.places) == 1 and not thing.names and thing.places[0].moved_from is None
+    return len(thing.places) == 1 and place.moved_from is None and not thing.names
 
 
 def apply_link(link: Link, memory: Memory, ledger: Ledger, parameters: Parameters) -> Became:

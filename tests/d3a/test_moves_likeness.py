@@ -96,7 +96,9 @@ def test_what_is_learned_of_others_counts_at_once() -> None:
     new = _thing(memory, 1, [1.0, 0.0, 0.0], 1000, 3000)
     before = moves._densities("bag")
     assert np.array_equal(moves._densities("bag"), before)
-    moves._compare([new], [old, new])  # both were seen since: two of them look just alike
+    moves._compare(
+        [new], [(old, old.places[0]), (new, new.places[0])]
+    )  # both were seen since: two of them look just alike
     assert moves._densities("bag")[-1] > before[-1]
 
 
@@ -106,7 +108,7 @@ def _plain(moves: Moves, came: dict[int, float]) -> list[tuple[int, int]]:
     kind = Kind(
         lasts=[(thing, thing.latest) for thing in things],
         fresh=things,
-        looks=moves._looks_of(things, things, "bag"),
+        looks=moves._looks_of(things, [(thing, thing.latest) for thing in things], "bag"),
         brought=DEFAULT.move_odds - math.log(len(things) - 1),
     )
     odds = {
