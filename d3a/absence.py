@@ -23,7 +23,7 @@ from d3a.known import Known, Place
 from d3a.memory import Memory
 from d3a.model import Camera, Json, Position
 from d3a.parameters import Parameters
-from d3a.sides import chance, is_familiar, remember_side, share_of_look
+from d3a.sides import LOOK_RANGE_M, chance, is_familiar, remember_side, share_of_look
 from d3a.sightings import Scene
 from d3a.symmetric import trace
 
@@ -128,7 +128,7 @@ class Absence:
     def _frustum_of(self, camera: Camera) -> Frustum:
         if self._frustum is None or self._frustum[0] != camera:
             parameters = self._parameters
-            seen = Frustum.of(camera, parameters.view_range_m, parameters.view_margin)
+            seen = Frustum.of(camera, LOOK_RANGE_M, parameters.view_margin)
             self._frustum = camera, seen
         return self._frustum[1]
 

@@ -16,7 +16,7 @@ from d3a.geometry import rotation
 from d3a.known import Place
 from d3a.model import Position
 from d3a.parameters import Parameters
-from d3a.sides import Look, chance, is_familiar, share_of_look
+from d3a.sides import LOOK_RANGE_M, Look, chance, is_familiar, share_of_look
 from d3a.sightings import Scene
 
 Floats = NDArray[np.float64]
@@ -90,14 +90,14 @@ class Looked:
 
     def _before(self, place: Place, where: Floats) -> list[Look]:
         """Return the looks that had a place in view from a side that has shown it since."""
-        rows, reach = self.rows, self._parameters.view_range_m
+        rows = self.rows
         rows = rows[rows[:, _TIME] < place.first_ms]
         away = where - rows[:, _EYE]
-        near = np.abs(away).max(axis=1, initial=0.0) <= 2 * reach  # no picture is so wide
+        near = np.abs(away).max(axis=1, initial=0.0) <= 2 * LOOK_RANGE_M  # no picture is so wide
         rows, away = rows[near], away[near]
         x, y, z = np.einsum("ni,nij->jn", away, rows[:, _TURN].reshape(-1, 3, 3))
         left, right, top, bottom = rows[:, _EDGES].T
-        seen = (z > 0) & (z <= reach)
+        seen = (z > 0) & (z <= LOOK_RANGE_M)
         seen &= (x >= left * z) & (x <= right * z) & (y >= top * z) & (y <= bottom * z)
         return [
             ((eye_x, eye_y, eye_z), int(time_ms))

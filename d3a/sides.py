@@ -20,6 +20,9 @@ distance to the thing, or metres if that is more."""
 CHANCE_PRIOR = 2.0
 """Looks that the usual chance of finding a thing again is worth against the thing's own."""
 CHANCE_MOST = 0.95
+LOOK_RANGE_M = 10.0
+"""What is farther away is not looked at: across a hall things are seen, and missed, as in a room;
+from where a thing was never seen it is not missed anyway."""
 SIDES_KEPT = 12
 """Viewpoints remembered for a place, the latest."""
 Look = tuple[Position, int]

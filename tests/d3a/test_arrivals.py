@@ -123,13 +123,16 @@ def test_a_look_that_goes_on_is_one_after_a_restart_too() -> None:
     assert np.array_equal(whole.rows, after.rows)
 
 
-def placed(memory: Memory, number: int, look: list[float], place: Place) -> Known:
+def placed(
+    memory: Memory, number: int, look: list[float], place: Place, away_m: float = 2.0
+) -> Known:
     thing = Known(number, {"bag": 1.0}, place.first_ms, place.last_ms, seen=9)
     thing.places.append(place)
     memory.add(thing)
     memory.looks.put(thing, np.array(look, dtype=np.float32), 9.0)
     error = (0.01, 0.0, 0.0, 0.01, 0.0, 0.01)
-    row = Row.of((2.0, 0.0, 0.0), (2.0, 0.0, 0.0), error, (0.0, 0.0), DEFAULT)
+    at = away_m, 0.0, 0.0
+    row = Row.of(at, at, error, (0.0, 0.0), DEFAULT)
     memory.positions.add([(thing, place, row)])
     return thing
 
@@ -164,4 +167,17 @@ def test_that_a_stray_is_not_seen_again_says_nothing(views: int, is_told: bool) 
         absence.watch(scene(hour * HOUR_MS), [], offset)
         absence.end_look()
     assert place.evidence > DEFAULT.absent_odds
+    assert (place.last_absent_ms is not None) == is_told
+
+
+@pytest.mark.parametrize(("away_m", "is_told"), [(3.0, True), (8.0, True), (12.0, False)])
+def test_what_is_seen_across_a_hall_is_missed_across_it(away_m: float, is_told: bool) -> None:
+    memory = Memory()
+    absence = Absence(memory, DEFAULT)
+    place = Place(0, 0, 0, seen=9, hits=9, chances=9.0, seen_from=[ORIGIN])
+    placed(memory, 0, [1.0, 0.0, 0.0], place, away_m)
+    offset = FrameOffset.unknown(DEFAULT)
+    for hour in range(1, 12):
+        absence.watch(scene(hour * HOUR_MS), [], offset)
+        absence.end_look()
     assert (place.last_absent_ms is not None) == is_told
