@@ -10,6 +10,7 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from math import prod
+from operator import attrgetter
 from typing import NamedTuple
 
 from d3a.joins import HOLDS, Related
@@ -18,6 +19,7 @@ from d3a.moments import Entry, Found, Moment, entry_of
 from d3a.store.base import Sighting, StayKey
 
 Span = tuple[int, int]
+_ORDER = attrgetter("order")
 
 
 class Member(NamedTuple):
@@ -95,7 +97,7 @@ class Ties:
         if any(there[var] < number for var, number in Counter(slots).items()):
             return None
         left = {one.members[-1] for one in larger}
-        for one in sorted(larger, key=lambda each: each.order):
+        for one in sorted(larger, key=_ORDER):
             if one.members[-1].var == slots[0]:
                 left.discard(one.members[-1])  # what it is a member of was looked for with it
                 whole = self._grown(one, slots[1:], sorted(left))
@@ -148,7 +150,7 @@ def gathered(ties: Ties, numbers: Sequence[int]) -> list[Moment]:
     No thing is told twice at one time: of four cups in one picture two and two are together. Of
     those about as likely the longest are told.
     """
-    moments = [ties.moment(group) for group in sorted(ties.groups(numbers), key=_order)]
+    moments = [ties.moment(group) for group in sorted(ties.groups(numbers), key=_ORDER)]
     moments.sort(key=lambda moment: (-round(_worth(moment), 1), moment.start_ms - moment.end_ms))
     told: dict[str, list[Span]] = {}
     out: list[Moment] = []
@@ -176,10 +178,6 @@ def scattered(ties: Ties, numbers: Sequence[int], figure: Found) -> list[Moment]
         if absent >= HOLDS:
             out.append(Moment((entry_of(figure, sighting),), *span, relation=absent))
     return out
-
-
-def _order(group: Group) -> tuple[float, Span, tuple[Member, ...]]:
-    return group.order
 
 
 def _worth(moment: Moment) -> float:
