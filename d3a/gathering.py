@@ -6,6 +6,7 @@ one time.
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -13,10 +14,13 @@ from math import prod
 from operator import attrgetter
 from typing import NamedTuple
 
+import numpy as np
+
 from d3a.joins import HOLDS, Related
-from d3a.linked import Link, ordered
+from d3a.linked import Link, ordered, pairs_of
 from d3a.moments import Entry, Found, Moment, entry_of
-from d3a.store.base import Sighting, StayKey
+from d3a.parameters import Parameters
+from d3a.store.base import LEAST_SIGMA_M, Sighting, StayKey
 
 Span = tuple[int, int]
 _ORDER = attrgetter("order")
@@ -142,6 +146,26 @@ class Ties:
             for member, sighting in zip(group.members, seen, strict=True)
         )
         return Moment(entries, *group.span, relation=group.probability)
+
+
+def of_two_things(related: Related, table: Found, parameters: Parameters) -> Related:
+    """Return how likely the figure and the ground of links among one kind are two together.
+
+    Two ids that no frame shows at once may be one thing, before their places are looked at as
+    likely as not: of one thing these differ by their errors alone, of two by any distance at which
+    they are together.
+    """
+    apart = [row for row, link in enumerate(related.links) if link.encounter is None]
+    if not apart:
+        return related
+    pairs = pairs_of([related.links[row] for row in apart], table, table)
+    away_m2 = np.sum((pairs.position_a - pairs.position_b)[:, :2] ** 2, axis=1)
+    variance = np.maximum(pairs.sigma, LEAST_SIGMA_M) ** 2
+    one = np.exp(-away_m2 / (2 * variance)) / (2 * math.pi * variance)
+    two = 1.0 / (math.pi * parameters.together_m**2)
+    held = related.probability.copy()
+    held[apart] *= two / (one + two)
+    return Related(related.links, held)
 
 
 def gathered(ties: Ties, numbers: Sequence[int]) -> list[Moment]:

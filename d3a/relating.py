@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from itertools import combinations_with_replacement, count
 
 from d3a.bounded import find_stays_late, finds_stays_late, keep_since
-from d3a.gathering import Ties, gathered, scattered
+from d3a.gathering import Ties, gathered, of_two_things, scattered
 from d3a.joined import (
     between_moments,
     chain_moments,
@@ -134,6 +134,8 @@ def gather(run: Run, step: Gather) -> None:
                 run.moments = None
                 run.leave_out("together")
                 return
+            if one == other:
+                related = of_two_things(related, tables[one], run.parameters)
             ties.add(one, other, related)
     run.before_relation[step.vars[0]] = list(tables[0].sightings)
     if step.negated:

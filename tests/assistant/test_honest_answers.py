@@ -357,7 +357,7 @@ def test_no_sighting_shows_when_a_thing_was_not_seen(two_rooms: Home, question: 
 def test_several_of_a_kind_together_are_told_by_their_number(two_rooms: Home) -> None:
     for number in (2, 3):
         two_rooms.thing(f"cup{number}", "cup", paint="blue")
-        two_rooms.seen(f"cup{number}", 10 * number, 200, at=(1 + 0.2 * number, 1, 1))
+        two_rooms.seen(f"cup{number}", 10 * number, 200, at=(0.55 + 0.45 * number, 1, 1))
     two_rooms.thing("couch", "couch")
     two_rooms.seen("couch", 0, 25, at=(1, 1.3, 0.6))
     assert told(two_rooms, "Did you see two cups together?").startswith(

@@ -141,7 +141,7 @@ def table() -> Home:
         home.seen(name, 0, 5, at=None)
     for one, other in combinations(("c1", "c2", "c3", "bowl"), 2):
         home.met(one, other, 2, 3)
-    for name, x in (("c1", 0.0), ("c2", 0.4), ("c4", 0.6), ("c3", 9.0)):
+    for name, x in (("c1", 0.0), ("c2", 0.4), ("c4", 0.8), ("c3", 9.0)):
         home.seen(name, 100, 105, at=(x, 0, 0), place=1)
     return home
 
@@ -195,6 +195,19 @@ def test_when_they_were_not_together(table: Home) -> None:
     asked = replace(together(ObjectTerm("cup", quantity=2)), ask="when", negated=True)
     answer = ask(table, asked)
     assert [(k.object_id, k.start) for k in answer.keyframes] == [("c3", at(100))]
+
+
+def test_two_ids_at_one_spot_that_no_frame_shows_at_once_are_no_two_things() -> None:
+    asked = together(ObjectTerm("cup", quantity=2))
+    for apart_m, sigma, found in ((0.1, 0.05, False), (0.5, 0.05, True), (0.5, 0.3, False)):
+        home = Home()
+        for name, x in (("c1", 0.0), ("c2", apart_m)):
+            home.thing(name, "cup")
+            home.seen(name, 0, 5, at=(x, 0, 0), sigma=sigma)
+        answer = ask(home, asked)
+        assert (answer.status == "found") is found
+        home.met("c1", "c2", 2)
+        assert ask(home, asked).status == "found"
 
 
 def test_what_nothing_tells_is_left_out() -> None:
