@@ -20,7 +20,7 @@ from grammar.words import MAX_CHARACTERS, MAX_WORDS, Word, split
 QUESTION = lalr.Source("question.lark", ("start", "fragment"))
 
 
-_VERBAL = ("BE", "AUX", "WHO", "THERE", "SEE", "LEAVE", "FINDS", "MISSING")
+_VERBAL = ("BE", "AUX", "WHO", "THERE", "SEE", "LEAVE", "FINDS", "MISSING", "MOVED", "GO")
 
 
 @lru_cache(maxsize=1)

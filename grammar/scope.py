@@ -7,6 +7,7 @@ the robot's doings, the weather and the future are out of scope; noise is not un
 from __future__ import annotations
 
 from functools import lru_cache
+from itertools import pairwise
 
 from grammar import speech
 from grammar import timewords as tw
@@ -89,6 +90,8 @@ def refuse_early(
         )
     if texts[-2:-1] == ["or"] and {texts[-1], *texts[-3:-2]} <= _lists()["state"]:
         raise _out(text, words[-1], "It knows no states of things", rest, lexicon)
+    if texts[0] in ("which", "what") and any(pair in _LEADING for pair in pairwise(texts)):
+        raise _out(text, words[0], "It knows no plan of the building", rest, lexicon)
     if _use_asked(texts) or _usable(texts) or _in_sight(texts):
         raise _out(text, words[0], "A memory of sightings gives no advice", rest, lexicon)
     for opening, excuses in _openings().get(texts[0], ()):
@@ -100,6 +103,7 @@ def refuse_early(
         raise _out(text, words[len(opening) - 1], _REASON, rest, lexicon)
 
 
+_LEADING = {(verb, to) for verb in ("leads", "lead", "opens") for to in ("to", "into", "onto")}
 _ERASING = words_of("delete forget remove")
 _REASON = "A memory of sightings knows where and when things were seen, nothing else"
 
@@ -246,7 +250,8 @@ def _predicated(found: FormalQuery, said: list[str], lexicon: Lexicon) -> bool:
 def _acted(term: ObjectTerm, said: list[str], lexicon: Lexicon) -> bool:
     """Whether a noun ends in a verb of doing, or starts with a name: `team won`, `anna come`."""
     first, last = term.word.partition(" ")[0], term.word.rpartition(" ")[2]
-    if first in _WANTING:
+    superlative = last.endswith("est") and lexicon.known_noun(last) is None
+    if first in _WANTING or (superlative and said[0] in ("which", "what")):
         return True
     if term.word in lexicon.nouns or last in lexicon.heads:
         return False

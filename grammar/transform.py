@@ -354,7 +354,10 @@ class Meanings(Terms):
         raise MeaningError("it names no thing", state=False)
 
     def lost(self, *words: Any) -> Meaning:
-        """Rule said: things aux? MISSING tail?."""
+        """Rule said: things aux? MISSING tail?. Of anything it is asked if it is gone."""
+        group = _things(words).group
+        if group is not None and group.terms[0].category == ANYTHING:
+            return Meaning("missing", _things(words))
         return Meaning("where", _things(words), newest=True)
 
     def short(self, things: Things) -> Meaning:

@@ -97,8 +97,9 @@ class VerbTagger(OwnerTagger):
         placed = self._has("_WHERE") or self._has("_HOWLONG") or self._has("_HOWOFTEN")
         if terminal == "GO" and not (placed or appears):
             return False
-        if said == "going" and self._has("BE"):
-            self._emit("UNKNOWN", said, size)  # where is the bus going
+        habit = said == "go" and self._habitual()
+        if (said == "going" and self._has("BE")) or habit:
+            self._emit("UNKNOWN", said, size)  # where is the bus going, where do the dishes go
             return True
         if terminal == "GO" and self._has("WHO"):
             return False
@@ -114,6 +115,11 @@ class VerbTagger(OwnerTagger):
                 return False
         self._emit(terminal, said, size)
         return True
+
+    def _habitual(self) -> bool:
+        """Whether it is asked where a thing is to go, not where it went or usually goes."""
+        due = any(t.type == "AUX" and t.value == "do" for t in self.out.tags)
+        return due and self._first() == "_WHERE" and self.out.select is None
 
     def _participle(self, following: int) -> bool:
         """Whether a verb of leaving only says how a thing is: `seen hidden behind the box`."""

@@ -273,6 +273,11 @@ def test_a_verb_or_a_look_stays_one(text: str, word: str) -> None:
         "how many people can sit on the mat",
         "where is the bus going",
         "what goes with this hat",
+        "which switch turns on the lamp",
+        "which door leads to the garage",
+        "where do the dishes go",
+        "which room is the warmest",
+        "how many people fit on the mat",
         "is there gas in the tank",
     ],
 )
