@@ -146,8 +146,8 @@ def entry_of(found: Found, sighting: Sighting) -> Entry:
         found.candidates[sighting.object_id],
         found.stays.get(stay),
         sighting,
-        found.place.get(stay, 1.0),
-        found.held.get(stay, 1.0),
+        found.place.get(stay, 1.0) if found.place else 1.0,  # most are asked without
+        found.held.get(stay, 1.0) if found.held else 1.0,
     )
 
 
