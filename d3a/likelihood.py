@@ -98,6 +98,10 @@ class LookModel:
         means = (parameters.look_same, parameters.look_other, parameters.look_beside)
         # plain numbers, as they are taken one by one
         self._sums = [[[count, mean, squares] for mean in means] for _ in range(len(LOOK_BINS) + 1)]
+        self._bells = np.empty((len(means), len(self._sums), 5))
+        """By kind and bin, see `Bell`: what both kinds are made of."""
+        self._stale = set(range(len(self._sums)))
+        """Bins in which more is known than their bells tell."""
 
     @property
     def sums(self) -> Floats:
@@ -107,6 +111,7 @@ class LookModel:
     @sums.setter
     def sums(self, sums: Floats) -> None:
         self._sums = sums.tolist()
+        self._stale.update(range(len(self._sums)))
 
     def mean(self, kind: int) -> float:
         """Return how alike such pairs are on average, of looks of as many views as there are."""
@@ -114,7 +119,9 @@ class LookModel:
 
     def add(self, kind: int, likeness: float, views: float) -> None:
         """Learn from a pair; views: of the mean look. kind: SAME, OTHER or BESIDE."""
-        row = self._sums[bisect(LOOK_BINS, views)][kind]
+        at = bisect(LOOK_BINS, views)
+        self._stale.add(at)
+        row = self._sums[at][kind]
         if row[0] >= self._parameters.look_memory:
             keep = 1.0 - 1.0 / row[0]
             row[0] *= keep
@@ -129,8 +136,13 @@ class LookModel:
 
         likeness: cosines (n, m) with looks of so many views (m,).
         """
+        for at in self._stale:
+            rows = self._sums[at]
+            for kind in (OTHER, BESIDE):
+                self._bells[kind, at] = _bell(*rows[SAME], *rows[kind])
+        self._stale.clear()
         bins = _LOOK_BINS.searchsorted(views, side="right")
-        bells = np.array(self._bells(kinds)).take(bins, axis=1).transpose(2, 0, 1)
+        bells = self._bells[list(kinds)].take(bins, axis=1).transpose(2, 0, 1)
         same, sharp, other, blunt, even = bells[:, :, None]
         short = np.minimum(likeness - same, 0.0)
         short *= short
@@ -142,10 +154,6 @@ class LookModel:
         raw += even
         np.maximum(raw, self._parameters.look_least, out=raw)
         return np.asarray(np.minimum(raw, self._parameters.look_most, out=raw))
-
-    def _bells(self, kinds: Sequence[int]) -> list[list[Bell]]:
-        """Return what both kinds are made of in each bin, (kinds, bins)."""
-        return [[_bell(*rows[SAME], *rows[kind]) for rows in self._sums] for kind in kinds]
 
 
 Bell = tuple[float, float, float, float, float]
