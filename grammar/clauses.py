@@ -13,6 +13,7 @@ from grammar.phrases import SUBJECT_OF, phrases, place_follows, stands_at
 
 _SUBJECTS = ("i", "we", "you", "he", "she", "they")
 _AUXILIARY = words_of("have had has am is are was were been did do will would could can")
+_SAID_OF_SEEN = words_of("is are was were belongs belong belonged does do did")
 _OBJECTS = ("her", "him", "them")
 _BEFORE_VERB = words_of(
     "last just already always usually normally often typically generally sometimes recently also "
@@ -29,7 +30,9 @@ class ClauseTagger(Cursor):
         if self._text(self.i) == "that" and kinds == ["NOUN", "BE", "THERE"]:
             del self.out.tags[-2:]  # how many chairs are there that are not wooden
         if self._last() not in ("NOUN", "ONE", "ATTR", "PART", "AT_PLACE"):
-            return False
+            seen = self._last() == "SEE" and self._first() == "_WHAT"  # what did you see that is
+            if not seen or self._text(self.i + 1) not in _SAID_OF_SEEN:
+                return False
         if self._text(self.i) in _SUBJECTS and self._asked():
             return self._relative(self.i)
         if self._text(self.i) not in ("that", "which", "who"):
@@ -178,7 +181,7 @@ class ClauseTagger(Cursor):
         owned: it says whose a thing is, which what stands on another tells more often.
         """
         tags = self.out.tags
-        if self._last() == "AT_PLACE":
+        if self._last() in ("AT_PLACE", "SEE"):
             return True
         nouns = [t for t in tags if t.type == "NOUN"]
         if not any(t.type == "REL" for t in tags) or tags[-1].type != "NOUN":

@@ -236,6 +236,14 @@ def test_parse_can_be_read(run: Run) -> None:
     assert "2026-03-01T13:00:00-05:00 to 2026-03-01T16:00:00-05:00" in result.stdout
 
 
+def test_parse_tells_how_many_whose_not_and_where_not(run: Run) -> None:
+    text = "Did you see at most two cups that are not Anna's and not in the kitchen?"
+    result = run("parse", text, "--now", NOW)
+    assert result.exit_code == 0
+    for said in ("x: cup not of anna x at most 2", "place: not kitchen", "count(x, <= 2)"):
+        assert said in result.stdout
+
+
 def test_parse_takes_the_zone_or_the_offset_of_now(run: Run) -> None:
     def start(*options: str) -> str:
         [record] = records(run("parse", "--json", "where was the cup today", *options))
