@@ -55,6 +55,9 @@ def _dotted(words: list[Word], i: int) -> bool:
 
 def _parted(words: list[Word]) -> list[list[Word]]:
     """Part a reason said first from its question: `i lost my wallet can you help me find it`."""
+    seen = len(words) > 2 and words[-2].text in phrases().verbs
+    if seen and words[-1].text in ("her", "him"):  # a cat, or what else has been named
+        words = [*words[:-1], replace(words[-1], text="it")]
     texts = [w.text for w in words]
     pause = _pause(texts)
     if pause:
@@ -124,7 +127,26 @@ def plain(words: list[Word], lexicon: Lexicon) -> list[Word]:
     words = _joined(_counting(_heard(_without_fillers(words)), lexicon), lexicon)
     words = corrected(words, lexicon)
     words = stutters.without_stutters(words, lexicon)
-    return _located(_closed(_without_thought(_opened(words))))
+    return _located(_closed(_searching(_without_thought(_opened(_searching(words))))))
+
+
+def _searching(words: list[Word]) -> list[Word]:
+    """Read where one is told to look as where it may be: search the kitchen for my phone."""
+    if not words or words[0].text not in ("where", *_SEARCHED):
+        return words
+    texts = [w.text for w in words]
+    if texts[0] == "where" and texts[2:3] == ["one"] and texts[3:4] in (["find"], ["see"]):
+        return [*words[:2], replace(words[2], text="i"), *words[3:]]  # where might one find it
+    if texts[0] not in _SEARCHED or "for" not in texts[2:-1]:
+        return words
+    at = texts.index("for", 2)
+    place = words[1:at]
+    led = place[0].text in ("in", "on", "under", "behind")
+    place = place if led else [replace(words[0], text="in"), *place]
+    return [Word(SEEK, words[0].start, words[0].end), *words[at + 1 :], *place]
+
+
+_SEARCHED = ("search", "check", "look", "scan")
 
 
 def _without_thought(words: list[Word]) -> list[Word]:
