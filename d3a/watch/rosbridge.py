@@ -96,8 +96,7 @@ class RosbridgeFollower:
             self._hear(robot)
             yield from (*ready, *robot.rest())
         finally:
-            self._is_closing = True
-            client.close()
+            self._close(client)
 
     def _hear(self, robot: Robot) -> None:
         for _ in range(self._inbox.qsize()):
@@ -128,6 +127,13 @@ class RosbridgeFollower:
         except roslibpy.core.RosTimeoutError:
             self._note(f"{self._address} does not answer; trying again until it does")
         return client
+
+    def _close(self, client: Any) -> None:
+        """End the connection; roslibpy would go on trying after a robot that is not there."""
+        self._is_closing = True
+        client.factory.maxRetries = 0  # of this client: `set_max_retries` is for all
+        client.on_ready(client.close)  # an attempt that is under way may still succeed
+        client.close()
 
     def _listener(self, role: str) -> Callable[[Json], None]:
         def heard(record: Json) -> None:

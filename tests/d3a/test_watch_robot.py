@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import importlib
 import importlib.util
 import os
 import socket
@@ -50,16 +51,29 @@ def free_port() -> int:
         return port
 
 
+def no_call_is_left(within_s: float) -> bool:
+    """Wait until nothing is planned in the event loop that roslibpy runs."""
+    reactor: Any = importlib.import_module("twisted.internet.reactor")
+    end = time.monotonic() + within_s
+    while reactor.getDelayedCalls() and time.monotonic() < end:
+        time.sleep(0.05)
+    return not reactor.getDelayedCalls()
+
+
 @contextmanager
 def robot(port: int, rate_hz: float, drop_at: int = 0, gone: int = 0) -> Iterator[str]:
     command = [sys.executable, str(ROOT / "tests/worlds/rosbridge.py")]
     command += [str(port), str(rate_hz), str(drop_at), str(gone)]
-    process = subprocess.Popen(command, env=os.environ | {"PYTHONPATH": str(ROOT)})
+    environment = os.environ | {"PYTHONPATH": str(ROOT)}
+    process = subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, text=True)
+    assert process.stdout is not None
     try:
+        assert process.stdout.readline() == "listening\n"
         yield f"ws://127.0.0.1:{port}"
     finally:
         process.kill()
         process.wait()
+        process.stdout.close()
 
 
 def heard(address: str, idle_s: float, notes: list[str]) -> tuple[Json, OracleStore]:
@@ -112,6 +126,7 @@ def test_a_robot_that_is_not_there_is_said_and_waited_for() -> None:
         )
     assert time.monotonic() - started < 20
     assert notes == [f"{address} does not answer; trying again until it does"]
+    assert no_call_is_left(within_s=20), "it still tries to connect"
 
 
 @pytest.mark.parametrize(

@@ -1,8 +1,8 @@
 """A robot's rosbridge, as far as a subscriber sees it: v2 JSON over a websocket.
 
-`python rosbridge.py PORT RATE_HZ DROP_AT GONE` plays the small recording of `folders` from the
-first subscription on, once; before frame DROP_AT the connection is cut, and GONE frames pass
-before one can connect again (0: it is not cut).
+`python rosbridge.py PORT RATE_HZ DROP_AT GONE` says when it listens, and plays the small recording
+of `folders` from the first subscription on, once; before frame DROP_AT the connection is cut, and
+GONE frames pass before one can connect again (0: it is not cut).
 """
 
 from __future__ import annotations
@@ -157,4 +157,5 @@ class Robot:
 if __name__ == "__main__":
     port, rate, drop_at, gone = sys.argv[1:]
     Robot(int(port), float(rate), int(drop_at), int(gone))
+    print("listening", flush=True)
     reactor.run()
