@@ -157,5 +157,6 @@ class Robot:
 if __name__ == "__main__":
     port, rate, drop_at, gone = sys.argv[1:]
     Robot(int(port), float(rate), int(drop_at), int(gone))
-    print("listening", flush=True)
+    sys.stdout.write("listening\n")
+    sys.stdout.flush()
     reactor.run()
