@@ -1,12 +1,13 @@
-"""What carries a thing: of all that it may lie on, one.
+"""What carries a thing, or roofs it: of all that it may lie on or under, one.
 
-A cup at the height of a desk lies on the desk, not on the chair beside it that is as high; and
-what lies on a thing is neither before it nor behind it.
+A cup at the height of a desk lies on the desk, not on the chair beside it that is as high; a bottle
+under the low table is not under the couch; and what lies on a thing is neither before it nor
+behind it.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 import numpy as np
 
@@ -17,13 +18,14 @@ from d3a.pairs import Floats, Pairs, normal_cdf, swapped
 from d3a.parameters import Parameters
 from d3a.standing import within_reach
 from d3a.store.base import StayKey
+from grammar.forms import RelationKind
 
 CONTACT_M = 2.0
 """What lies on, under, in or beside a thing is no further from its middle than this."""
 LEAST = 0.2
-"""Where it is less likely that one lies on the other, nothing else is asked for."""
+"""Where it is less likely that one is on or under the other, nothing else is asked for."""
 UNLIKELY = 0.02
-"""What is less likely to carry a thing speaks against nothing."""
+"""What is less likely to carry or roof a thing speaks against nothing."""
 OUTLINE_SHARE, OUTLINE_M = 0.4, 0.15
 """What stands on a thing or is part of it is no further from its middle than this share of its
 width, and how well that is known, metres."""
@@ -31,20 +33,23 @@ MOST = 0.99
 """No place is so sure that nothing may speak against it."""
 
 
-def lying_on(
+def of_one(
+    kind: RelationKind,
     met: Sequence[Link],
     pairs: Pairs,
     figure: Found,
     ground: Found,
     carriers: Found,
+    usual: Collection[str],
     parameters: Parameters,
 ) -> Floats:
-    """Return how likely figures lie on grounds (n,), NaN where nothing tells.
+    """Return how likely figures are on or under grounds (n,), NaN where nothing tells.
 
-    carriers: what is large and stays. Each of them that may carry a figure as well speaks against
-    the ground, by its odds; but not what is part of the ground, or lies on it itself.
+    carriers: what is large and stays. Each of them that the figure may be on, or under, as well
+    speaks against the ground, by its odds; but not what is part of the ground, or lies on it
+    itself. usual: the categories of what is usual as a ground.
     """
-    held = agreed(met, relations.probability("on", pairs, parameters))
+    held = agreed(met, relations.probability(kind, pairs, parameters))
     likely = held >= LEAST  # False for NaN
     if not carriers.stays or not likely.any():
         return held
@@ -52,8 +57,7 @@ def lying_on(
     _, first = np.unique(np.where(likely, pair, -1), return_index=True)
     asked = [met[k] for k in first.tolist() if likely[k]]
     rows, rivals = _rivals(asked, figure, carriers)
-    usual = {candidate.record.category for candidate in carriers.candidates.values()}
-    other = relations.probability("on", pairs_of(rivals, figure, carriers, usual), parameters)
+    other = relations.probability(kind, pairs_of(rivals, figure, carriers, usual), parameters)
     told = np.flatnonzero(other >= UNLIKELY).tolist()
     if not told:
         return held
@@ -71,12 +75,14 @@ def off_each_other(
     figure: Found,
     ground: Found,
     carriers: Found,
+    usual: Collection[str],
     parameters: Parameters,
 ) -> Floats:
     """Return how likely neither of two lies on the other (n,); 1 where nothing tells."""
     turned = [link.turned() for link in met]
-    over = lying_on(met, pairs, figure, ground, carriers, parameters)
-    below = lying_on(turned, swapped(pairs), ground, figure, carriers, parameters)
+    last = carriers, usual, parameters
+    over = of_one("on", met, pairs, figure, ground, *last)
+    below = of_one("on", turned, swapped(pairs), ground, figure, *last)
     return np.asarray(1.0 - np.fmax(np.nan_to_num(over), np.nan_to_num(below)))
 
 

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from d3a import relations
-from d3a.carried import CONTACT_M, lying_on, off_each_other
+from d3a.carried import CONTACT_M, of_one, off_each_other
 from d3a.linked import Link, agreed, pairs_of
 from d3a.model import Position
 from d3a.moments import Found
@@ -32,8 +32,8 @@ Rows = NDArray[np.intp]
 Intervals = NDArray[np.int64]
 STANDING: frozenset[RelationKind] = frozenset({"near", "on", "under", "in", "above", "same_place"})
 """These are between two places, whoever looks; sides are the viewer's."""
-CARRIED: frozenset[RelationKind] = frozenset({"on", "behind", "in_front_of"})
-"""For these it counts what lies on what."""
+CARRIED: frozenset[RelationKind] = frozenset({"on", "under", "behind", "in_front_of"})
+"""For these it counts what else may carry a thing, or be over it."""
 SYMMETRIC: frozenset[RelationKind] = frozenset({"together", "near", "same_place"})
 
 
@@ -229,7 +229,7 @@ class Asked:
 
     once: each unordered pair once, for a symmetric relation of a category with itself. usual: the
     categories of what is usual as a ground: things lie on tables, stand under furniture.
-    carriers: what is large and stays: what lies on one of these does not lie on another.
+    carriers: what is large and stays: what is on or under one of these is so of no other.
     """
 
     kind: RelationKind
@@ -272,12 +272,12 @@ class Asked:
         # a shared frame settles that two were together, whatever the geometry
         told = [k for k in met if self.kind != "together" or k.encounter is None]
         pairs = pairs_of(told, self.figure, self.ground, self.usual)
-        sides = met, pairs, self.figure, self.ground, self.carriers, self.parameters
-        if self.kind == "on":
-            return Related(met, lying_on(*sides))
+        found = met, pairs, self.figure, self.ground, self.carriers, self.usual, self.parameters
+        if self.kind in ("on", "under"):
+            return Related(met, of_one(self.kind, *found))
         held = relations.probability(self.kind, pairs, self.parameters)
         if self.kind in CARRIED:
-            held = held * off_each_other(*sides)
+            held = held * off_each_other(*found)
         if self.kind == "together":
             apart = iter(held.tolist())
             held = np.array([next(apart) if k.encounter is None else 1.0 for k in met])

@@ -77,9 +77,13 @@ def _runs(found: Found) -> list[_Run]:
     """Return when things were at places that are known, by id and time.
 
     From the first to the last time that a stay has, as far as the thing was not seen elsewhere.
+    What was seen but once may be a mistake: of it nothing says that it stood anywhere.
     """
     of: dict[str, list[list[Sighting]]] = {}
+    known = {name for name, one in found.candidates.items() if not one.record.tentative}
     for sighting in sorted(found.sightings, key=lambda s: (s.start_ms, s.object_id, s.place)):
+        if sighting.object_id not in known:
+            continue
         runs = of.setdefault(sighting.object_id, [])
         if runs and runs[-1][0].place == sighting.place:
             runs[-1].append(sighting)

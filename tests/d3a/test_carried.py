@@ -1,11 +1,11 @@
-"""What carries a thing: of a desk and what stands beside it, one; and it is not behind that one."""
+"""What carries a thing, or is over it: of a desk and what stands beside it, one."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 
-from d3a.carried import lying_on
+from d3a.carried import of_one
 from d3a.joins import Asked
 from d3a.linked import Link, pairs_of
 from d3a.match import Candidate
@@ -51,6 +51,17 @@ def test_what_lies_on_a_desk_does_not_lie_on_the_chair_beside_it() -> None:
     assert held("on", cup, desk, desk) == held("on", cup, desk, None)  # it is no rival of itself
 
 
+def test_what_is_under_the_low_table_is_not_under_the_couch_behind_it() -> None:
+    bowl: Thing = ((2.9, 0.0, 0.05), (0.1, 0.1))
+    couch, table = found(couch=((3.3, 0.0, 0.42), (1.6, 0.85))), ((2.5, 0.0, 0.2), (1.2, 0.5))
+    usual = {"couch", "table"}
+    alone = Asked("under", found(bowl=bowl), couch, DEFAULT, usual=usual).met(())
+    beside = Asked(
+        "under", found(bowl=bowl), couch, DEFAULT, usual=usual, carriers=found(table=table)
+    ).met(())
+    assert alone.probability[0] > 0.5 > beside.probability[0]
+
+
 def test_more_that_may_carry_a_thing_makes_each_less_likely() -> None:
     cup, desk = found(cup=CUP), found(desk=DESK)
     shelf: Thing = ((2.4, 0.2, 0.37), (1.0, 0.74))
@@ -85,7 +96,7 @@ def test_what_nothing_measured_stays_untold() -> None:
             table.stays[key] = StayRecord(*key, None, 0, 99, stay.weight)
     link = Link(("cup", 0), ("desk", 0), 0, 99, sightings=(cup.sightings[0], desk.sightings[0]))
     pairs = pairs_of([link], cup, desk)
-    assert np.isnan(lying_on([link], pairs, cup, desk, found(chair=CHAIR), DEFAULT)).all()
+    assert np.isnan(of_one("on", [link], pairs, cup, desk, found(chair=CHAIR), (), DEFAULT)).all()
 
 
 def test_a_link_turned_twice_is_the_link() -> None:

@@ -62,6 +62,13 @@ def test_what_was_elsewhere_in_between_did_not_stand_there() -> None:
     assert not stood_together(found("cup", [(0, 10), (1, 20), (1, 28), (0, 30)]), tv, (), 0.5)
 
 
+def test_what_was_seen_but_once_stands_nowhere() -> None:
+    tv, once = found("tv", [(0, 10), (0, 30)]), found("cup", [(0, 20)])
+    assert stood_together(once, tv, (), 1.0)
+    once.candidates["cup"] = Candidate(ObjectRecord("cup", "cup", 1.0, 0, 9, tentative=True), 1.0)
+    assert not stood_together(once, tv, (), 1.0)
+
+
 def test_of_what_is_much_the_newest_counts(monkeypatch: pytest.MonkeyPatch) -> None:
     moving = found("cup", [(k, k) for k in range(8)])
     shelf = found("shelf", [(0, 0), (0, 99)])
