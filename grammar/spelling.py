@@ -75,13 +75,19 @@ def corrected(
     out: list[Word] = []
     changed: list[Correction] = []
     for i, word in enumerate(words):
-        taken = _misread(word, knows) or _small_word(words, i, knows, lex)
-        taken = taken or _taken(word, knows, store, lex, located=_located(words, i))
+        taken = None if word.text in knows else _meant_by(words, i, store, lex)
         if taken is not None:
             changed.append(Correction(word.text, taken, word.start))
             word = replace(word, text=taken)
         out.append(word)
     return out, tuple(changed)
+
+
+def _meant_by(words: list[Word], i: int, store: StoreWords, lex: Lexicon) -> str | None:
+    """Return the word that the unknown one at `i` is a slip of, None where it stays."""
+    knows = known(store)
+    taken = _misread(words[i], knows) or _small_word(words, i, knows, lex)
+    return taken or _taken(words[i], knows, store, lex, located=_located(words, i))
 
 
 def _located(words: list[Word], i: int) -> bool:

@@ -17,12 +17,15 @@ _NAMELESS = words_of("thing thingy thingie thingamajig whatsit whatnot doodah gi
 
 def without_stutters(words: list[Word], lexicon: Lexicon) -> list[Word]:
     """Return the words with each thing said once, and once to its end."""
-    words = _named(_without_dummy(_without_false_starts(_restarted(words))))
-    return _without_stutter(words, lexicon)
+    if any(word.text == "," for word in words):  # most questions are said without a pause
+        words = _placed_once(_named(_restarted(words)))
+    return _without_stutter(_without_false_starts(_without_dummy(words)), lexicon)
 
 
 def _without_dummy(words: list[Word]) -> list[Word]:
     """Take out an `it` beside its thing: where it is my charger, where was it, the scarf."""
+    if len(words) < 3 or "it" not in (words[1].text, words[2].text):
+        return words
     texts = [w.text for w in words[:4]]
     being = ("is", "are", "was", "were")
     there = texts[1:3] == ["it", "there"] and texts[0] in being and texts[-1] in _SOME
@@ -76,7 +79,7 @@ def _without_false_starts(words: list[Word]) -> list[Word]:
 
 def _without_stutter(words: list[Word], lexicon: Lexicon) -> list[Word]:
     """Take out a word or up to four words said twice in a row: `where is where is the the cup`."""
-    kept = _placed_once(words)
+    kept = words
     for size in (4, 3, 2, 1):
         texts = [w.text for w in kept]
         if not any(map(eq, texts, texts[size:])):
