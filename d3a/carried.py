@@ -24,6 +24,8 @@ CONTACT_M = 2.0
 """What lies on, under, in or beside a thing is no further from its middle than this."""
 LEAST = 0.2
 """Where it is less likely that one is on or under the other, nothing else is asked for."""
+LIKELY = 0.5
+"""What is more likely than not on a thing is told so, and so not behind it."""
 UNLIKELY = 0.02
 """What is less likely to carry or roof a thing speaks against nothing."""
 OUTLINE_SHARE, OUTLINE_M = 0.4, 0.15
@@ -78,12 +80,16 @@ def off_each_other(
     usual: Collection[str],
     parameters: Parameters,
 ) -> Floats:
-    """Return how likely neither of two lies on the other (n,); 1 where nothing tells."""
+    """Return how likely neither of two lies on the other (n,).
+
+    1 where nothing tells, and where it is not likely: before and behind have their own doubts.
+    """
     turned = [link.turned() for link in met]
     last = carriers, usual, parameters
     over = of_one("on", met, pairs, figure, ground, *last)
     below = of_one("on", turned, swapped(pairs), ground, figure, *last)
-    return np.asarray(1.0 - np.fmax(np.nan_to_num(over), np.nan_to_num(below)))
+    either = np.fmax(np.nan_to_num(over), np.nan_to_num(below))
+    return np.where(either >= LIKELY, 1.0 - either, 1.0)
 
 
 def _odds(p: Floats) -> Floats:
