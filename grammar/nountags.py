@@ -131,8 +131,11 @@ class NounTagger(ClauseTagger):
     def _negation(self) -> bool:
         """Lift `not` out, unless it denies a word of a noun phrase."""
         text = self._text(self.i)
+        placed = place_follows(self.words, self.i + 1)
+        if text == "not" and placed and self._is_placed():
+            self._emit("AND", "but", 0)  # near the door, not on the desk
         joined = self._last() == "AND" or self._describes()
-        if text == "not" and joined and place_follows(self.words, self.i + 1):
+        if text == "not" and joined and placed:
             self._emit("THAT_NOT", 0, 1)  # on the table and not near the lamp
             return True
         if text == "not":
@@ -159,6 +162,11 @@ class NounTagger(ClauseTagger):
         kinds = [t.type for t in self.out.tags]
         asked = kinds[:1] == ["AUX"] and kinds[-2:-1] != ["BE"] and "SEE" in kinds
         return self._last() in ("NOUN", "ONE") and (asked or kinds[:2] == ["BE", "THERE"])
+
+    def _is_placed(self) -> bool:
+        """Whether it was said already where the thing is: what is denied next is one thing more."""
+        kinds = [t.type for t in self.out.tags if t.type != "COMMA"]
+        return kinds[-1:] == ["AT_PLACE"] or (kinds[-1:] == ["NOUN"] and "REL" in kinds)
 
     def _denial(self, k: int) -> bool:
         """Take `not` before a word of a noun phrase: not red, not the red one, not made of wood."""

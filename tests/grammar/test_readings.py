@@ -228,6 +228,8 @@ def test_less_than_a_time_ago_is_no_number_of_things() -> None:
         ("is the cup on the table and behind the lamp", "behind", False),
         ("is the cup on the table and not near the lamp", "near", True),
         ("is the cup on the table but not near the lamp", "near", True),
+        ("where did you see the cup on the table not near the lamp", "near", True),
+        ("is the cup on the table, not near the lamp", "near", True),
     ],
 )
 def test_and_says_more_of_what_is_asked_for(text: str, kind: str, negated: bool) -> None:
@@ -237,6 +239,13 @@ def test_and_says_more_of_what_is_asked_for(text: str, kind: str, negated: bool)
     assert query.relation == Relation("on")
     assert cup.where is not None
     assert (cup.where.kind, cup.where.negated, cup.where.object.word) == (kind, negated, "lamp")
+    assert not query.negated
+
+
+@pytest.mark.parametrize("joined", [" but not", " and not", ", not", " not"])
+def test_what_is_denied_after_a_room_is_a_relation(joined: str) -> None:
+    query = read(f"when was the cup in the kitchen{joined} on the table")
+    assert (query.place, query.relation) == ("kitchen", Relation("on", negated=True))
     assert not query.negated
 
 
