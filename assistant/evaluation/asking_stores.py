@@ -53,8 +53,11 @@ class Asker:
         self._parameters = store_parameters(run.store)
         self._lexicon = VocabularyLexicon()
 
-    def ask(self, text: str, level: Level) -> tuple[Answer, float]:
+    def ask(self, text: str, level: Level, *, whole: bool = False) -> tuple[Answer, float]:
         """Return the arranged answer and the milliseconds that parsing took.
+
+        whole: with all keyframes, for whoever puts them into another order, and not only as many
+        as a person is shown.
 
         At Perfect, a name that could not be taught, as no ObjectID holds the object, is a word
         that the grammar does not know: an empty answer, and so a miss. Raises QuestionError at
@@ -73,7 +76,7 @@ class Asker:
         query = parsed.query
         if self._run.method.is_papers:
             return self._the_papers_way(query, level), parse_ms
-        if self._run.method.kind == "tiers":  # as a person asks: 50 pictures, each with its things
+        if self._run.method.kind == "tiers" and not whole:
             return self._execute(query, level, CUT * max(1, len(query.objects))), parse_ms
         return self._run.method.arrange(self._execute(query, level)), parse_ms
 

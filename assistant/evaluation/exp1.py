@@ -7,9 +7,11 @@ Its figure has no numbers, so only shapes can be compared. Every object that was
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import datetime
+from operator import itemgetter
 from pathlib import Path
 from typing import Literal
 
@@ -19,6 +21,7 @@ from assistant.evaluation.asking_stores import Asker
 from assistant.evaluation.methods import D3A_D, NAIVE, OURS, Filled, Method, filled
 from assistant.evaluation.questions import taught_name
 from assistant.evaluation.worlds import Recorded, Steps, World, recorded
+from d3a.answer import RankedKeyframe
 from d3a.metrics import Rows, Score, first_right
 from d3a.simulate import codes
 from d3a.store.base import Batch, Store, TaughtName
@@ -99,11 +102,33 @@ def _ask(run: Filled, source: Recorded, vectors: dict[str, np.ndarray]) -> dict[
     asker = Asker(run, datetime.fromtimestamp(truth.span_ms[1] / 1000, source.zone))
     scores: dict[Order, list[Score]] = {order: [] for order in ORDERS}
     for k in truth.seen():
-        answer, _ = asker.ask(f"Did you ever see {taught_name(k)}?", "perfect")
+        text = f"Did you ever see {taught_name(k)}?"
+        answer, _ = asker.ask(text, "perfect")
         likeness = {name: float(vector[k]) for name, vector in vectors.items()}
-        by_cosine = sorted(answer.keyframes, key=lambda one: -likeness.get(one.object_id, 0.0))
-        ids = len({one.object_id for one in answer.keyframes})
-        for order, shown in zip(ORDERS, (answer.keyframes, by_cosine), strict=True):
+        if run.method.is_papers:
+            alike = by_cosine(answer.keyframes, likeness)
+        else:
+            whole, _ = asker.ask(text, "perfect", whole=True)
+            alike = once_each_first(by_cosine(whole.keyframes, likeness))
+        for order, shown in zip(ORDERS, (answer.keyframes, alike), strict=True):
             right = first_right([rows.owner(one.frame, one.box) == k] for one in shown)
+            ids = len({one.object_id for one in shown})
             scores[order].append(Score(right, len(shown), ids))
     return scores
+
+
+def by_cosine(
+    keyframes: Sequence[RankedKeyframe], likeness: Mapping[str, float]
+) -> list[RankedKeyframe]:
+    """Return keyframes by how alike their ObjectID is to what was asked for, else as they are."""
+    return sorted(keyframes, key=lambda one: -likeness.get(one.object_id, 0.0))
+
+
+def once_each_first(keyframes: Sequence[RankedKeyframe]) -> list[RankedKeyframe]:
+    """Return keyframes with each ObjectID once before any twice: as the default profile ranks."""
+    turns: Counter[str] = Counter()
+    turn = []
+    for one in keyframes:
+        turn.append(turns[one.object_id])
+        turns[one.object_id] += 1
+    return [one for _, one in sorted(zip(turn, keyframes, strict=True), key=itemgetter(0))]

@@ -167,6 +167,23 @@ def test_codes_without_noise_find_every_object_with_naive(work: Path) -> None:
     assert ours.miss["cosine"] < 0.2
 
 
+def test_another_order_is_of_all_keyframes_and_shows_each_id_once_first() -> None:
+    seen = datetime(2020, 1, 1, tzinfo=UTC)
+    shown = [RankedKeyframe(1, 0.5, i, "cup", "f", 0.9, None, seen, seen) for i in "aabcb"]
+    ordered = exp1.by_cosine(shown, {"b": 0.9, "a": 0.2, "c": 0.5})
+    assert "".join(one.object_id for one in ordered) == "bbcaa"
+    assert "".join(one.object_id for one in exp1.once_each_first(ordered)) == "bcaba"
+
+
+def test_whoever_orders_keyframes_anew_gets_all(source: Recorded, work: Path) -> None:
+    with filled(OURS, source, work / "stores") as run:
+        asker = Asker(run, datetime.fromtimestamp(source.truth.span_ms[1] / 1000, source.zone))
+        text = f"Did you ever see a {source.truth.objects[0].category}?"
+        part, _ = asker.ask(text, "any")
+        whole, _ = asker.ask(text, "any", whole=True)
+    assert len(part.keyframes) == CUT < len(whole.keyframes)
+
+
 def test_bits_are_taught_where_they_are_set(work: Path, tmp_path: Path) -> None:
     from assistant.evaluation.questions import taught_name
     from d3a.store.base import Batch, ObjectRecord
