@@ -51,10 +51,20 @@ class Match(NamedTuple):
 
 
 class Matcher:
-    """Scores a frame's detections against the memory and assigns them."""
+    """Scores a frame's detections against the memory and assigns them.
 
-    def __init__(self, memory: Memory, categories: CategoryModel, parameters: Parameters) -> None:
+    is_histogram: whether looks are those of colour histograms, of which much is known before.
+    """
+
+    def __init__(
+        self,
+        memory: Memory,
+        categories: CategoryModel,
+        parameters: Parameters,
+        is_histogram: bool,
+    ) -> None:
         likelihood.load_solver()
+        self._is_histogram = is_histogram
         self._memory = memory
         self._categories = categories
         self._parameters = parameters
@@ -246,33 +256,57 @@ class Matcher:
         likeness: Floats,
         evidence: Floats,
     ) -> None:
-        """Teach the look model by what place and category (`evidence`) decided without it."""
-        least = self._parameters.plain_odds
-        speaks = evidence >= 0
-        mine, its = np.add.reduce(speaks, axis=1).tolist(), np.add.reduce(speaks, axis=0)
-        at = [max(column, 0) for column in taken]
-        rivals, alike, decided = (
-            its[at].tolist(),
-            likeness[:, at].tolist(),
-            evidence[:, at].tolist(),
-        )
+        """Teach the look model by what place and category (`evidence`) say without it."""
+        alike = likeness.tolist()
         for i, column in enumerate(taken):
-            if column < 0 or things[column].seen < self._parameters.confirm_sightings:
+            if column < 0 or not self._teaches(things[column]):
                 continue
             thing = things[column]
             for j, other in enumerate(taken):  # the frame's other detections are other things
-                if j == i or math.isnan(alike[j][i]):
+                if j == i or math.isnan(alike[j][column]):
                     continue
                 if other >= 0 and things[other].category == thing.category:
-                    self.looks.add(OTHER, alike[j][i], thing.look_weight)
+                    self.looks.add(OTHER, alike[j][column], thing.look_weight)
                 elif (i, j) in frame.near:
-                    self.looks.add(BESIDE, alike[j][i], thing.look_weight)
-            # itself speaks for it in its row and in its column
-            is_plain = decided[i][i] >= least and mine[i] == rivals[i] == 1
-            if is_plain and not math.isnan(alike[i][i]):
-                self.looks.add(SAME, alike[i][i], thing.look_weight)
+                    self.looks.add(BESIDE, alike[j][column], thing.look_weight)
+        for i, column in self._plain(things, taken, evidence):
+            if not math.isnan(alike[i][column]):
+                thing = things[column]
+                self.looks.add(SAME, alike[i][column], thing.look_weight)
                 mean = self._memory.looks.row(thing)
                 self.space.add_same(frame.observed.looks[i], mean, thing.look_weight)
+
+    def _plain(
+        self, things: list[Known], taken: list[int], evidence: Floats
+    ) -> list[tuple[int, int]]:
+        """Return which detection is plainly which thing, by place and category alone.
+
+        What is assumed of histograms holds of any well enough that a look may object: of what is
+        plain, one pair in thirty is of two things. Of another embedding nothing is known. Taught
+        by what it agreed to itself, the model would never learn that views of one thing are less
+        alike than it assumed: there the look is not asked, and more has to be plain.
+        """
+        parameters = self._parameters
+        speaks = evidence >= 0
+        alone = np.add.reduce(speaks, axis=0) == 1
+        if self._is_histogram:  # itself speaks for it in its row and in its column
+            only = np.logical_and.outer(np.add.reduce(speaks, axis=1) == 1, alone)
+            rows, columns = np.nonzero(only & (evidence >= parameters.plain_odds))
+            pairs = zip(rows.tolist(), columns.tolist(), strict=True)
+            return [(i, c) for i, c in pairs if taken[i] == c and self._teaches(things[c])]
+        # what was seen once may be one of the views of this thing that were not recognised
+        speaks &= [thing.seen >= parameters.confirm_sightings for thing in things]
+        rivals = np.add.reduce(speaks, axis=1).tolist()
+        best = evidence.argmax(axis=1).tolist()
+        return [
+            (i, c)
+            for i, c in enumerate(best)
+            if evidence[i, c] >= parameters.sure_odds and alone[c] and rivals[i] == speaks[i, c]
+        ]
+
+    def _teaches(self, thing: Known) -> bool:
+        """Say whether the look model may learn of a thing: it is none by mistake, or all count."""
+        return not self._is_histogram or thing.seen >= self._parameters.confirm_sightings
 
     def _place_ratios(self, frame: Frame, aim: Aim, columns: Floats) -> Floats:
         """Return the evidence of place (2, n, k), with rows of places; NEVER out of the gate.

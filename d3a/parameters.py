@@ -71,7 +71,8 @@ class Parameters:
     space_prior: float = 60.0  # views for which all parts of a look count alike
     look_most: float = 4.0
     look_least: float = -12.0
-    plain_odds: float = 2.0  # from here on place and category alone say what a thing is
+    plain_odds: float = 2.0  # from here on place and category alone say what a thing is,
+    sure_odds: float = 5.0  # and from here on (150 to 1) where the look is not to be trusted yet
     confusion: float = 0.08  # share of detections that carry a wrong category
     category_prior: float = 2.0  # pseudo-counts with which a category's frequency starts,
     category_kinds: float = 20.0  # as if so many kinds of things were about

@@ -54,7 +54,7 @@ class TrackerPipeline:
         self._is_histogram = is_histogram(stored.embedding_model)
         self._memory = Memory()
         self._categories = CategoryModel(parameters)
-        self._matcher = Matcher(self._memory, self._categories, parameters)
+        self._matcher = Matcher(self._memory, self._categories, parameters, self._is_histogram)
         looks, space = self._matcher.looks, self._matcher.space
         self._absence = Absence(self._memory, parameters)
         self._moves = Moves(self._memory, space, looks, self._absence, parameters)
