@@ -255,7 +255,8 @@ def exp1(points: Sequence[Point]) -> Table:
             "Naive misses next to nothing, and D3A drops what it saw in one frame only.",
             "Reading: strict, Q1 for every object that was detected. Bits are flipped with fpr and "
             "fnr .05, pose noise stays. Candidates are the ids whose embedding has the object's "
-            "bit, in the order of probability, or of the cosine to the object's code.",
+            "bit, in the order of probability, or of the cosine to the object's code; the default "
+            "profile shows each id once before any twice, in either.",
         ),
     )
 
