@@ -21,7 +21,7 @@ from typing import Any, Literal
 from assistant import asking
 from assistant.tense import planned
 from d3a.answer import Answer
-from d3a.facts import Facts
+from d3a.answering.facts import Facts
 from d3a.model import BadInput
 from d3a.plan import Plan
 from d3a.store import open_store

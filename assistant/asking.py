@@ -19,9 +19,9 @@ from assistant.reply import sentence
 from assistant.spots import of_the_spot, on_a_spot, told_as_place, without_itself
 from assistant.tense import planned
 from d3a.answer import Answer, Status
-from d3a.conclude import within
+from d3a.answering.conclude import within
+from d3a.answering.facts import Facts
 from d3a.execute import execute
-from d3a.facts import Facts
 from d3a.model import BadInput, Json
 from d3a.parameters import Parameters
 from d3a.plan import Plan, Precision
@@ -149,9 +149,9 @@ def ask(
 ) -> Answer:
     """Answer a question, in words or in the formal notation.
 
-    now: aware, in the home's zone; see `store_now`. precision: one of `d3a.steps.Precision`,
-    forces a rung of the matching ladder. A question that cannot be answered and a store that
-    fails are answers with their status, never an exception.
+    now: aware, in the home's zone; see `store_now`. precision: one of
+    `d3a.answering.steps.Precision`, forces a rung of the matching ladder. A question that
+    cannot be answered and a store that fails are answers with their status, never an exception.
     """
     started = perf_counter()
     try:

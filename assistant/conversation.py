@@ -36,7 +36,7 @@ from assistant.refusals import all_refused
 from assistant.session import Pointer
 from assistant.taught import Boxing, Naming, Teaching, Undoing, is_lesson, read_teaching, row_of
 from d3a.answer import Answer, RankedKeyframe, Status, is_by_look
-from d3a.facts import Facts
+from d3a.answering.facts import Facts
 from d3a.store.base import Store, StoreError
 from grammar.errors import QuestionError
 from grammar.forms import FormalQuery

@@ -1,4 +1,4 @@
-"""The grammar's vocabulary as d3a needs it: `d3a.match.Lexicon` with the words of the language."""
+"""The grammar's vocabulary as `d3a.answering.match.Lexicon`: the words of the language."""
 
 from __future__ import annotations
 

@@ -10,8 +10,8 @@ from dataclasses import replace
 
 from assistant.english import sentence_case
 from assistant.phrases import is_kind
-from d3a.facts import Facts
-from d3a.match import squash
+from d3a.answering.facts import Facts
+from d3a.answering.match import squash
 from grammar.forms import FormalQuery, ObjectTerm
 
 _ARTICLES = ("the", "a", "an")

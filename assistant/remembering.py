@@ -29,9 +29,9 @@ from assistant.taught import (
 )
 from d3a import teaching as store_teaching
 from d3a.answer import RankedKeyframe, is_by_look
+from d3a.correcting.taught_looks import teach_look
 from d3a.model import BadInput, Box
 from d3a.store.base import Store
-from d3a.taught_looks import teach_look
 from grammar import vocabulary
 from grammar.nountags import KIN
 from grammar.vocabulary import lexicon

@@ -56,8 +56,8 @@ from assistant.tense import chooses_a_sighting
 from assistant.usually import usual_words
 from assistant.wording import FAIRLY_SURE, NOT_SURE
 from d3a.answer import Answer, RankedKeyframe
+from d3a.answering.points import MINUTE, edge_of
 from d3a.colours import is_colour
-from d3a.points import MINUTE, edge_of
 from grammar.forms import Ask, FormalQuery, ObjectTerm, TimeSlice
 
 _LISTED = 3

@@ -7,7 +7,7 @@ from datetime import datetime
 from assistant.asking import ask_query, read_question
 from assistant.config import SettingsError, moment_of
 from assistant.lexicon import VocabularyLexicon
-from d3a.match import squash
+from d3a.answering.match import squash
 from d3a.model import BadInput
 from d3a.plan import Precision
 from d3a.store.base import Region, Store

@@ -19,8 +19,8 @@ from assistant.phrases import (
     the_place,
 )
 from d3a.answer import Answer
-from d3a.facts import Facts
-from d3a.places import room_of
+from d3a.answering.facts import Facts
+from d3a.answering.places import room_of
 from grammar import vocabulary
 from grammar.forms import ANYTHING, FormalQuery, ObjectTerm, Relation, RelationKind
 

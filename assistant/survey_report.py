@@ -11,8 +11,8 @@ from zoneinfo import ZoneInfo
 from assistant.intake_report import duration
 
 if TYPE_CHECKING:
+    from d3a.ingesting.survey import Lack, Survey
     from d3a.readers.base import Stream
-    from d3a.survey import Lack, Survey
 
 PARTS = {
     "image": "a picture",
@@ -28,7 +28,7 @@ MOST_GAPS = 3
 
 def lines(found: Survey, source: str, format_name: str) -> Iterator[str]:
     """Yield the survey."""
-    from d3a.survey import lacks
+    from d3a.ingesting.survey import lacks
 
     facts = found.facts
     zone: tzinfo = UTC if facts.zone is None else ZoneInfo(facts.zone)

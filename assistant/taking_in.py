@@ -11,7 +11,7 @@ import click
 from assistant.options import failures
 
 if TYPE_CHECKING:
-    from d3a.intake import Intake
+    from d3a.ingesting.intake import Intake
     from d3a.parameters import Parameters
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
@@ -100,7 +100,7 @@ class Wanted:
 
     def intake(self, zone: str | None) -> Intake:
         """Return what goes in; zone: in which a time without an offset is meant."""
-        from d3a.intake import Intake, off_limits_of
+        from d3a.ingesting.intake import Intake, off_limits_of
         from d3a.readers.clock import Clock
 
         return Intake(

@@ -53,7 +53,7 @@ def told_owner(said: str | None) -> str | None:
 
 def carry_out(context: click.Context, act: Act, *, as_json: bool, create: bool = False) -> None:
     """Do what was said, and print the record of it; a failure is a record and a status too."""
-    from d3a.corrections import UnknownThing
+    from d3a.correcting.corrections import UnknownThing
     from d3a.model import BadInput
 
     settings = settings_of(context)

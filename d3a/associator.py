@@ -12,19 +12,19 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any, Protocol
 
+from d3a.answering.match import squash
 from d3a.checkpoint import Arrays, pack, unpack
 from d3a.constraints import SAID, Constraints, History
-from d3a.coverage import Coverage
+from d3a.correcting.reconcile import Corrected, acknowledged, news_of, reconcile, take_in
 from d3a.floor_map import MAP, RECORDED_MAP
 from d3a.frozen import maker
+from d3a.ingesting.coverage import Coverage
+from d3a.ingesting.pictures import Pictures
 from d3a.ledger import Ledger
-from d3a.match import squash
 from d3a.model import Image, Json
 from d3a.paper import NOISE, PaperPipeline
 from d3a.parameters import Parameters
-from d3a.pictures import Pictures
 from d3a.readers.base import RecordingFacts, Skipped
-from d3a.reconcile import Corrected, acknowledged, news_of, reconcile, take_in
 from d3a.sightings import Became, Event, Scene
 from d3a.store.base import (
     FORGOTTEN,
@@ -39,7 +39,7 @@ from d3a.store.base import (
     TaughtName,
 )
 from d3a.tier3 import Stored
-from d3a.tracker import TrackerPipeline
+from d3a.tracking.tracker import TrackerPipeline
 
 
 class ForgottenMeanwhile(StoreError):  # noqa: N818

@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 from itertools import combinations
 
 from d3a.answer import Answer, RankedKeyframe
-from d3a.coverage import Coverage
+from d3a.ingesting.coverage import Coverage
 from d3a.model import Detection, Frame, Position
 from d3a.parameters import PAPER, Parameters
 from d3a.readers.base import Reader, RecordingFacts, Skipped

@@ -14,9 +14,9 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal, Protocol
 
-from d3a.match import squash
+from d3a.answering.match import squash
+from d3a.correcting.portion import Portion
 from d3a.model import Json
-from d3a.portion import Portion
 from d3a.store.base import Store, StoreError
 
 HISTORY = "corrections"

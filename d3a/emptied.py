@@ -10,18 +10,18 @@ from __future__ import annotations
 from collections.abc import Collection
 from dataclasses import dataclass
 
+from d3a.answering.facts import Facts
 from d3a.associator import Pipeline
 from d3a.checkpoint import Arrays, pack, unpack
 from d3a.constraints import History
-from d3a.facts import Facts
+from d3a.correcting.reconcile import news_of
 from d3a.images import HISTOGRAM_MODEL
 from d3a.ledger import Ledger
 from d3a.model import Json
 from d3a.paper import PaperPipeline
-from d3a.reconcile import news_of
 from d3a.store.base import Store
 from d3a.tier3 import Stored
-from d3a.tracker import TrackerPipeline
+from d3a.tracking.tracker import TrackerPipeline
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,7 +10,7 @@ from dataclasses import replace
 from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 
 from d3a.checkpoint import unpack
-from d3a.forgotten import UNSCRUBBED
+from d3a.correcting.forgotten import UNSCRUBBED
 from d3a.model import Json
 from d3a.store.base import (
     SCHEMA,

@@ -12,21 +12,25 @@ from time import perf_counter
 from typing import assert_never
 
 from d3a.answer import Answer
-from d3a.attributes import judged
-from d3a.bounded import (
+from d3a.answering.attributes import judged
+from d3a.answering.bounded import (
     find_bounded,
     find_joined,
     finds_stays_late,
 )
-from d3a.changes import missing, moved, usual
-from d3a.conclude import conclude
-from d3a.facts import Facts
-from d3a.lookalikes import later_names
-from d3a.match import Candidate, Lexicon, in_room, rungs, unheard
-from d3a.miscalled import without_miscalled
-from d3a.moments import Found
+from d3a.answering.changes import missing, moved, usual
+from d3a.answering.conclude import conclude
+from d3a.answering.facts import Facts
+from d3a.answering.lookalikes import later_names
+from d3a.answering.match import Candidate, Lexicon, in_room, rungs, unheard
+from d3a.answering.miscalled import without_miscalled
+from d3a.answering.moments import Found
+from d3a.answering.places import last_look, probability_inside
+from d3a.answering.presence import keep_present
+from d3a.answering.relating import gather, relate_found
+from d3a.answering.run import Run, milliseconds
+from d3a.answering.unfound import explain_empty
 from d3a.parameters import Parameters
-from d3a.places import last_look, probability_inside
 from d3a.plan import (
     Cover,
     DropGone,
@@ -53,12 +57,8 @@ from d3a.plan import (
     Unite,
     numbers_unjudged,
 )
-from d3a.presence import keep_present
 from d3a.rank import rank
-from d3a.relating import gather, relate_found
-from d3a.run import Run, milliseconds
 from d3a.store.base import Store
-from d3a.unfound import explain_empty
 from grammar.forms import ANYTHING
 
 

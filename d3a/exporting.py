@@ -18,8 +18,8 @@ from typing import Any
 
 import numpy as np
 
+from d3a.answering.places import room_of
 from d3a.model import BadInput, Box, Json
-from d3a.places import room_of
 from d3a.store.base import (
     Keyframe,
     ObjectRecord,

@@ -9,26 +9,26 @@ from itertools import chain, islice
 from pathlib import Path
 from time import perf_counter
 
-from d3a.assignments import AssignmentLog, check_place
 from d3a.associator import Associator, check_filled_alike
-from d3a.batches import Ready, one_by_one
+from d3a.correcting.retention import retain
+from d3a.correcting.taught_looks import search_later
 from d3a.detectors.base import Detector
 from d3a.detectors.recorded import RecordedDetector
 from d3a.embedders.base import Embedder, HistogramEmbedder
 from d3a.images import HISTOGRAM_MODEL
-from d3a.intake import EVERYTHING, Intake, agree, check_known, placed
-from d3a.jobs import ONE, Jobs, in_jobs
-from d3a.lacking import Lacking
-from d3a.live import WHOLE, Live, Pulse
+from d3a.ingesting.assignments import AssignmentLog, check_place
+from d3a.ingesting.batches import Ready, one_by_one
+from d3a.ingesting.intake import EVERYTHING, Intake, agree, check_known, placed
+from d3a.ingesting.jobs import ONE, Jobs, in_jobs
+from d3a.ingesting.lacking import Lacking
+from d3a.ingesting.live import WHOLE, Live, Pulse
+from d3a.ingesting.preparation import LeftOut, Preparation, Replaces, Stopwatch
+from d3a.ingesting.sieve import Sieve, Sifted
 from d3a.model import BadInput, Frame
 from d3a.parameters import Parameters
-from d3a.preparation import LeftOut, Preparation, Replaces, Stopwatch
 from d3a.readers.base import Follower, Reader, RecordingFacts, Skipped
-from d3a.retention import retain
-from d3a.sieve import Sieve, Sifted
 from d3a.store.base import Region, Store
 from d3a.store.lease import Lease, leased
-from d3a.taught_looks import search_later
 
 Progress = Callable[[int, int | None], None]
 """Called with the frames done and their number, None where that is unknown."""

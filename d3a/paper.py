@@ -18,11 +18,11 @@ from numpy.typing import NDArray
 
 from d3a.checkpoint import Arrays, detection_json, detection_of, ref_json, ref_of, stacked
 from d3a.constraints import Constraints
+from d3a.correcting.reconcile import Corrected
 from d3a.images import unit
 from d3a.ledger import Ledger
 from d3a.model import Json
 from d3a.parameters import Parameters
-from d3a.reconcile import Corrected
 from d3a.sightings import Became, Event, Interval, Scene, Seen, entry_name
 from d3a.stm import Entry, ShortTermMemory
 from d3a.store.base import ObjectRecord, StayKey, StayRecord, TaughtName

@@ -12,10 +12,8 @@ from dataclasses import dataclass, fields, is_dataclass, replace
 from datetime import datetime
 from typing import Any
 
-from d3a.model import Json
-from d3a.parameters import DEFAULT, Parameters
-from d3a.points import edge_of, looked_at
-from d3a.steps import (
+from d3a.answering.points import edge_of, looked_at
+from d3a.answering.steps import (
     Cover,
     DropGone,
     Edge,
@@ -41,6 +39,8 @@ from d3a.steps import (
     Step,
     Unite,
 )
+from d3a.model import Json
+from d3a.parameters import DEFAULT, Parameters
 from grammar.forms import (
     ANYTHING,
     FormalQuery,

@@ -2,7 +2,7 @@
 
 The score begins as a product of what must all be true: the word means the object, the colour is
 the asked one, the detector was right, the relation held. As these are not independent, the product
-is then calibrated (`d3a.calibration`). Every factor is kept and told in `why`.
+is then calibrated (`d3a.answering.calibration`). Every factor is kept and told in `why`.
 """
 
 from __future__ import annotations
@@ -13,11 +13,11 @@ from collections import Counter
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
-from d3a.calibration import calibrated, kind_of
-from d3a.distinct import things_of
+from d3a.answering.calibration import calibrated, kind_of
+from d3a.answering.distinct import things_of
+from d3a.answering.moments import Entry, Moment
+from d3a.answering.points import MINUTE
 from d3a.model import Json
-from d3a.moments import Entry, Moment
-from d3a.points import MINUTE
 from grammar.forms import Select
 
 TENTATIVE = 0.8

@@ -12,8 +12,8 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from d3a.footprints import PART_M, WIDE_M, footprint
-from d3a.pairs import (
+from d3a.answering.footprints import PART_M, WIDE_M, footprint
+from d3a.answering.pairs import (
     EDGE_M,
     SAME_SPOT_M,
     Floats,
@@ -35,8 +35,8 @@ from d3a.pairs import (
     swapped,
     within,
 )
+from d3a.answering.silhouettes import in_line
 from d3a.parameters import Parameters
-from d3a.silhouettes import in_line
 from grammar.forms import RelationKind
 
 REACH_M = 0.6

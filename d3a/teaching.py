@@ -20,7 +20,7 @@ import difflib
 from collections.abc import Sequence
 from dataclasses import replace as with_changes
 
-from d3a.committing import Made, apply_change, checked_name, commit, unknown_object
+from d3a.answering.match import squash
 from d3a.constraints import (
     Correction,
     History,
@@ -29,30 +29,30 @@ from d3a.constraints import (
     removed,
     with_records,
 )
-from d3a.corrections import (
+from d3a.correcting.committing import Made, apply_change, checked_name, commit, unknown_object
+from d3a.correcting.corrections import (
     UnknownThing,
     do_merge,
     do_split,
     parameters_of,
     taking_back,
 )
-from d3a.match import squash
-from d3a.model import BadInput, Json
-from d3a.naming import deny_name, forget_name, teach_name
-from d3a.portion import Portion, difference
-from d3a.rooms import (
+from d3a.correcting.naming import deny_name, forget_name, teach_name
+from d3a.correcting.portion import Portion, difference
+from d3a.correcting.rooms import (
     Corner,
     checked_polygon,
     circle,
     region_json,
     robot_position,
 )
+from d3a.correcting.two_things import measured_looks
+from d3a.model import BadInput, Json
 from d3a.store.base import (
     Batch,
     Region,
     Store,
 )
-from d3a.two_things import measured_looks
 
 
 def history(store: Store) -> tuple[Correction, ...]:

@@ -14,10 +14,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from d3a.correcting.same_thing import ranked
 from d3a.images import unit
 from d3a.ledger import Ledger
 from d3a.parameters import Normalising, Parameters
-from d3a.same_thing import ranked
 from d3a.sightings import Interval, joined
 from d3a.stm import Entry
 from d3a.store.base import ObjectRecord, StayKey, StayRecord

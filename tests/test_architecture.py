@@ -30,6 +30,14 @@ ONLY_USERS = {
 GRAMMAR_MAY_USE = {"lark", "rapidfuzz"}
 
 
+WITHIN_D3A = {
+    "answering": {"answering"},
+    "correcting": {"answering", "correcting"},
+    "ingesting": {"ingesting"},
+    "tracking": {"correcting", "tracking"},
+}
+"""Of which of these packages each may use modules."""
+
 FACADE = ("d3a/__init__.py", "assistant.api")
 """The one arrow that points back: `d3a.open` loads the API when it is used, and not before."""
 
@@ -68,6 +76,15 @@ def test_imports_run_one_way(path: Path) -> None:
                 assert where.startswith(users), f"only {users} may import {library}"
 
 
+@pytest.mark.parametrize("package", WITHIN_D3A)
+def test_questions_corrections_and_tracking_do_not_mix(package: str) -> None:
+    for path in sorted((ROOT / "d3a" / package).rglob("*.py")):
+        for name in imported(path):
+            parts = name.split(".")
+            if parts[0] == "d3a" and parts[1] in WITHIN_D3A:
+                assert parts[1] in WITHIN_D3A[package], f"{path.name}: d3a.{package} uses {name}"
+
+
 @pytest.mark.parametrize(
     "path", sorted((ROOT / "grammar").rglob("*.py")), ids=lambda path: path.stem
 )
@@ -101,7 +118,7 @@ def test_a_question_loads_nothing_that_teaches_or_writes() -> None:
         "assistant.protocols",
         "assistant.taught",
         "d3a.constraints",
-        "d3a.forgotten",
+        "d3a.correcting.forgotten",
         "d3a.store.limits",
         "d3a.store.sqlite_write",
         "hashlib",

@@ -94,7 +94,7 @@ def examine(
 ) -> ExitCode:
     """Print what a recording holds and lacks; return the status."""
     from assistant import survey_report
-    from d3a import survey
+    from d3a.ingesting import survey
     from d3a.readers.opening import format_of, open_source
     from d3a.readers.options import key_values
 

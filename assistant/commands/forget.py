@@ -16,8 +16,8 @@ from assistant.terminal import emit, is_terminal
 if TYPE_CHECKING:
     from datetime import datetime
 
-    from d3a.forgetting import ForgetPlan
-    from d3a.forgotten import Selection
+    from d3a.correcting.forgetting import ForgetPlan
+    from d3a.correcting.forgotten import Selection
     from d3a.store.base import Store
 
 SCHEMA = 1
@@ -63,7 +63,7 @@ def command(
 
     Status: 0 done, 1 there was nothing of it, 2 usage, 3 the store cannot be reached.
     """
-    from d3a.retention import set_retention
+    from d3a.correcting.retention import set_retention
 
     settings = settings_of(context)
     text = " ".join(words).strip()
@@ -95,13 +95,13 @@ def command(
 
 
 def _seconds(retain: str) -> int | None:
-    from d3a.retention import seconds_of
+    from d3a.correcting.retention import seconds_of
 
     return None if retain.lower() == "off" else seconds_of(retain)
 
 
 def _old(store: Store, seconds: int | None) -> ForgetPlan | None:
-    from d3a.retention import plan_retention
+    from d3a.correcting.retention import plan_retention
 
     return None if seconds is None else plan_retention(store, seconds)
 
@@ -118,9 +118,9 @@ def _selection(
     """Return what to forget; None where the words name nothing."""
     from assistant import selecting
     from assistant.lexicon import VocabularyLexicon
-    from d3a.cutting import Slice
-    from d3a.forgetting import people as people_of
-    from d3a.forgotten import Selection
+    from d3a.correcting.cutting import Slice
+    from d3a.correcting.forgetting import people as people_of
+    from d3a.correcting.forgotten import Selection
 
     slice_ = Slice(
         None if start is None else selecting.start_meant(start, now),
@@ -138,7 +138,7 @@ def _selection(
 
 
 def _plan(store: Store, selection: Selection | None) -> ForgetPlan | None:
-    from d3a.forgetting import plan_forgetting
+    from d3a.correcting.forgetting import plan_forgetting
 
     return None if selection is None else plan_forgetting(store, selection)
 
@@ -165,7 +165,7 @@ def _carry_out(
     settings: Settings, store: Store, plan: ForgetPlan | None
 ) -> tuple[ForgetPlan | None, bool | None]:
     """Return what went, which may be more than was shown, and whether no byte of it is left."""
-    from d3a.forgetting import forget
+    from d3a.correcting.forgetting import forget
 
     if plan is None or plan.is_empty:
         return plan, None

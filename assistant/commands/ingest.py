@@ -29,8 +29,8 @@ if TYPE_CHECKING:
     from d3a.detectors.base import Detector
     from d3a.embedders.base import Embedder
     from d3a.ingest import IngestSummary
-    from d3a.intake import Intake
-    from d3a.jobs import Backend
+    from d3a.ingesting.intake import Intake
+    from d3a.ingesting.jobs import Backend
     from d3a.readers.base import Reader
     from d3a.store.base import Store
 
@@ -112,7 +112,7 @@ class _Run:
 
     def check_places(self) -> None:
         """Refuse what could not be written, before a store is made."""
-        from d3a.assignments import check_place
+        from d3a.ingesting.assignments import check_place
 
         if self._wishes.assignments is not None:
             check_place(self._wishes.assignments)
@@ -203,7 +203,7 @@ class _Run:
 
     def _ingest(self, reader: Reader, store: Store, intake: Intake) -> IngestSummary:
         from d3a.ingest import ingest
-        from d3a.jobs import Jobs
+        from d3a.ingesting.jobs import Jobs
 
         wishes, quiet = self._wishes, bool(self._settings.quiet)
         label = reader.facts.name if self._several else ""
@@ -228,7 +228,7 @@ class _Run:
 
     def _name_unused(self, intake: Intake, summary: IngestSummary) -> None:
         """Say which ignored categories nothing was called: a slip would store what should not."""
-        from d3a.preparation import ignored
+        from d3a.ingesting.preparation import ignored
 
         seen = {reason.casefold() for reason in summary.skipped.counts}
         for word in sorted(intake.ignore):

@@ -72,8 +72,8 @@ def colour_words(store: Store, things: Sequence[ObjectRecord]) -> dict[str, list
     """
     import numpy as np
 
+    from d3a.answering.facts import Facts
     from d3a.colours import BASIC
-    from d3a.facts import Facts
 
     looks = Facts(store).looks(things)
     if looks is None:

@@ -107,7 +107,7 @@ def _metres(store: Store, pixels: tuple[Corner, ...]) -> tuple[Corner, ...]:
 @click.pass_context
 def list_places(context: click.Context, as_json: bool) -> None:
     """List the named places: corners, size, and how many objects were seen there last."""
-    from d3a.places import room_of
+    from d3a.answering.places import room_of
 
     settings = settings_of(context)
     with opened(settings) as store:
@@ -133,7 +133,7 @@ def list_places(context: click.Context, as_json: bool) -> None:
 
 
 def _record(region: Region, objects: int) -> Json:
-    from d3a.places import area_m2
+    from d3a.answering.places import area_m2
 
     return {
         "schema": SCHEMA,

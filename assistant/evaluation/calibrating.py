@@ -15,8 +15,8 @@ from assistant.evaluation.asking_stores import Asker
 from assistant.evaluation.methods import Filled
 from assistant.evaluation.questions import Level, Question
 from d3a.answer import RankedKeyframe
+from d3a.answering.calibration import Kind, kind_of
 from d3a.baselines import Moment, moments_of
-from d3a.calibration import Kind, kind_of
 from d3a.metrics import CUT, Rows
 from d3a.truth import Truth
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from zoneinfo import ZoneInfo
 
 from assistant.english import listed
-from d3a.lacking import Lacking
+from d3a.ingesting.lacking import Lacking
 from d3a.model import BadInput
 from d3a.readers.recording import RecordingReader
 from d3a.simulate import NOMINAL, Condition, is_whole, named, simulate

@@ -25,10 +25,10 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from d3a.answering.kept import Kept
 from d3a.colours.names import BASIC, Floats, is_metal, rest_of
 from d3a.colours.pixels import AMONG_MANY, MOST_VIEWS, Learned, Palette, Pixels, times_seen
 from d3a.colours.terms import looks_like, rest_looks_like, terms
-from d3a.kept import Kept
 
 _LOOKS = 8.0
 """Independent looks in one box: neighbouring pixels agree, so a box is not 10,000 witnesses."""

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 from d3a.associator import ForgottenMeanwhile
 from d3a.ingest import IngestSummary, Note, NothingYet, Progress, ingest
-from d3a.intake import EVERYTHING, Intake
-from d3a.live import Live
+from d3a.ingesting.intake import EVERYTHING, Intake
+from d3a.ingesting.live import Live
 from d3a.parameters import Parameters
 from d3a.readers.base import Follower
 from d3a.store.base import Store

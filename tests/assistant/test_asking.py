@@ -20,7 +20,7 @@ from assistant.asking import (
     store_words,
 )
 from assistant.wording import answer_lines
-from d3a.facts import Facts
+from d3a.answering.facts import Facts
 from d3a.model import BadInput
 from d3a.parameters import DEFAULT, PAPER
 from d3a.store.base import Batch, Store, StoreUnreachable

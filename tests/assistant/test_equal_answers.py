@@ -16,9 +16,9 @@ from hypothesis import strategies as st
 
 from assistant.asking import ask_query
 from assistant.lexicon import VocabularyLexicon
-from d3a import bounded
+from d3a.answering import bounded
+from d3a.answering.facts import Facts
 from d3a.execute import execute
-from d3a.facts import Facts
 from d3a.plan import plan
 from d3a.store.base import Store
 from grammar.forms import FormalQuery

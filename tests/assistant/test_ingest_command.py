@@ -14,8 +14,8 @@ from click.testing import CliRunner, Result
 
 from assistant.cli import main
 from assistant.intake_report import Pace, duration
-from d3a.forgetting import forget, plan_forgetting
-from d3a.forgotten import Selection
+from d3a.correcting.forgetting import forget, plan_forgetting
+from d3a.correcting.forgotten import Selection
 from d3a.ingest import IngestSummary, ingest
 from d3a.store import open_store
 from tests.worlds.folders import as_recording, as_tum, boxes_file, moments, pictures, write_csv

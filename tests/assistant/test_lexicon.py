@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from assistant.lexicon import VocabularyLexicon
-from d3a.match import EXACT, NARROWER, SYNONYM, rungs
+from d3a.answering.match import EXACT, NARROWER, SYNONYM, rungs
 from d3a.plan import FindObjects
 
 STORE = ("cup", "pottedplant", "sportsball", "tv")

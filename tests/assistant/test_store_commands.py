@@ -249,7 +249,7 @@ def test_what_fails_half_way_says_what_to_do(run: Run, monkeypatch: pytest.Monke
     def busy(store: Store, plan: object) -> None:
         raise StoreBusy(f"{store.uri}: another process has been writing for 10 s; try again")
 
-    monkeypatch.setattr("d3a.forgetting.forget", busy)
+    monkeypatch.setattr("d3a.correcting.forgetting.forget", busy)
     result = run("forget", "cup", *HOME, "--yes")
     assert result.exit_code == 3
     assert "another process has been writing for 10 s; try again" in result.stderr

@@ -3,8 +3,8 @@
     python -m tests.bench.bench_calibration [--seeds dev|validation|0,3-5] [--refit]
 
 Prints, per kind of question, the answers by score with the share that was right, and the expected
-calibration error. --refit writes d3a/calibration.json anew from these worlds: development seeds
-alone may be named with it.
+calibration error. --refit writes d3a/answering/calibration.json anew from these worlds: development
+seeds alone may be named with it.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from assistant.evaluation.methods import OURS, filled
 from assistant.evaluation.questions import draw
 from assistant.evaluation.tables import Table, as_text
 from assistant.evaluation.worlds import VALIDATION, World, recorded
-from d3a.calibration import KINDS, Kind, expected_error, fitted
+from d3a.answering.calibration import KINDS, Kind, expected_error, fitted
 
 CONDITIONS = ("nominal", "colour-x2", "confusion-20", "false-positives-15")
 FITTING = tuple(range(10))
@@ -78,7 +78,7 @@ def main(seeds: str, conditions: tuple[str, ...], refit: bool, keep: Path | None
             own = [one for one in found if one.kind == kind]
             products, shares = fitted([one.product for one in own], [one.right for one in own])
             maps[kind] = {"product": products, "probability": shares}
-        path = Path(str(files("d3a").joinpath("calibration.json")))
+        path = Path(str(files("d3a.answering").joinpath("calibration.json")))
         path.write_text(json.dumps(maps, indent=1) + "\n", encoding="utf-8")
         click.echo(f"written: {path.name}; run again without --refit to see what it gives")
 

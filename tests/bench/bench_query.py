@@ -29,9 +29,9 @@ from assistant.asking import ask, read_question, store_parameters
 from assistant.batch import run
 from assistant.evaluation.asking_stores import EVERYTHING, RETRIEVING
 from assistant.lexicon import VocabularyLexicon
+from d3a.answering.facts import Facts, forget
 from d3a.baselines import fill_naive
 from d3a.execute import execute
-from d3a.facts import Facts, forget
 from d3a.ingest import ingest
 from d3a.parameters import DEFAULT
 from d3a.plan import Plan, plan

@@ -34,13 +34,13 @@ from pathlib import Path
 import numpy as np
 
 from assistant.lexicon import VocabularyLexicon
-from d3a.facts import Facts
+from d3a.answering.facts import Facts
+from d3a.answering.joins import HOLDS, SYMMETRIC, Asked
+from d3a.answering.linked import Link, pairs_of
+from d3a.answering.match import Candidate
+from d3a.answering.moments import Found
 from d3a.ingest import ingest
-from d3a.joins import HOLDS, SYMMETRIC, Asked
-from d3a.linked import Link, pairs_of
-from d3a.match import Candidate
 from d3a.model import Box
-from d3a.moments import Found
 from d3a.parameters import DEFAULT, Parameters
 from d3a.readers.opening import open_source
 from d3a.relations import SIDE_M, between

@@ -30,7 +30,7 @@ from pathlib import Path
 import numpy as np
 
 from assistant.asking import ask, store_now
-from d3a.facts import forget
+from d3a.answering.facts import forget
 from d3a.store import open_store
 from d3a.store.base import Store
 from tests.bench import processes

@@ -17,14 +17,14 @@ from typing import Any
 
 from assistant.lexicon import VocabularyLexicon
 from d3a.answer import RankedKeyframe
-from d3a.calibration import calibrated, kind_of
+from d3a.answering.calibration import calibrated, kind_of
+from d3a.answering.match import rungs
+from d3a.answering.points import looked_at
+from d3a.answering.run import milliseconds
+from d3a.answering.steps import FindObjects
 from d3a.frozen import maker
-from d3a.match import rungs
 from d3a.parameters import Parameters
-from d3a.points import looked_at
 from d3a.rank import views_probability
-from d3a.run import milliseconds
-from d3a.steps import FindObjects
 from d3a.store.base import Store
 from grammar.forms import FormalQuery, ObjectTerm
 

@@ -7,18 +7,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from d3a.absence import SURE_SEEN, Absence
-from d3a.arrivals import CAME_MOST, KEPT, Looked
-from d3a.frame_offset import FrameOffset
-from d3a.known import Known, Place
-from d3a.likelihood import LookModel
-from d3a.look_space import LookSpace
-from d3a.memory import Memory
 from d3a.model import Camera, Pose
-from d3a.moves import BINS, Moves
 from d3a.parameters import DEFAULT
-from d3a.positions import Row
 from d3a.sightings import FrameRef, Scene
+from d3a.tracking.absence import SURE_SEEN, Absence
+from d3a.tracking.arrivals import CAME_MOST, KEPT, Looked
+from d3a.tracking.frame_offset import FrameOffset
+from d3a.tracking.known import Known, Place
+from d3a.tracking.likelihood import LookModel
+from d3a.tracking.look_space import LookSpace
+from d3a.tracking.memory import Memory
+from d3a.tracking.moves import BINS, Moves
+from d3a.tracking.positions import Row
 
 Turn = tuple[float, float, float, float]
 AHEAD: Turn = (0.0, 0.7071067811865476, 0.0, 0.7071067811865476)

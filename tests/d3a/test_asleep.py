@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from d3a.ingest import ingest
-from d3a.known import Known, Place
-from d3a.memory import Memory, Whole
 from d3a.model import Detection, Frame, Pose
 from d3a.parameters import DEFAULT
-from d3a.positions import Row
+from d3a.tracking.known import Known, Place
+from d3a.tracking.memory import Memory, Whole
+from d3a.tracking.positions import Row
 from tests.worlds.oracle import OracleStore
 from tests.worlds.rounds import CAMERA, FORWARD, START_MS, ListReader, colour, depth_png
 

@@ -8,14 +8,14 @@ from pathlib import Path
 
 import pytest
 
-from d3a import assignments
-from d3a.assignments import AssignmentLog
 from d3a.ingest import ingest
-from d3a.intake import NOT_EACH, Intake
+from d3a.ingesting import assignments
+from d3a.ingesting.assignments import AssignmentLog
+from d3a.ingesting.intake import NOT_EACH, Intake
+from d3a.ingesting.sieve import BACKWARDS
 from d3a.model import BadInput, Detection, Frame
 from d3a.paper import NOISE
 from d3a.parameters import DEFAULT, PROFILES, Parameters
-from d3a.sieve import BACKWARDS
 from d3a.store.base import Batch
 from tests.worlds.oracle import OracleStore
 from tests.worlds.rounds import ListReader, Thing, circle, rounds

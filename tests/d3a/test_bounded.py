@@ -11,10 +11,10 @@ from typing import Any
 import pytest
 
 from assistant.asking import ask
-from d3a import bounded, facts
 from d3a.answer import Answer
-from d3a.facts import Facts
-from d3a.moments import joined
+from d3a.answering import bounded, facts
+from d3a.answering.facts import Facts
+from d3a.answering.moments import joined
 from d3a.store import open_store, sqlite_newest
 from d3a.store.base import Batch, Encounter, NativeQuery, Sighting, StayKey, Store
 from d3a.store.newest import newest_of

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from d3a.calibration import KINDS, Kind, calibrated, expected_error, fitted, kind_of, maps
+from d3a.answering.calibration import KINDS, Kind, calibrated, expected_error, fitted, kind_of, maps
 
 
 def test_the_kinds_are_by_things_and_looks() -> None:

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from d3a.carried import of_one
-from d3a.joins import Asked
-from d3a.linked import Link, pairs_of
-from d3a.match import Candidate
+from d3a.answering.carried import of_one
+from d3a.answering.joins import Asked
+from d3a.answering.linked import Link, pairs_of
+from d3a.answering.match import Candidate
+from d3a.answering.moments import Found
 from d3a.model import Position
-from d3a.moments import Found
 from d3a.parameters import DEFAULT
 from d3a.store.base import ObjectRecord, Sighting, StayRecord
 from grammar.forms import RelationKind

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from d3a.compared import NEVER, Gated
-from d3a.known import Known
+from d3a.tracking.compared import NEVER, Gated
+from d3a.tracking.known import Known
 
 THINGS = [Known(number, {"cup": 1.0}, 0, 0) for number in range(3)]
 RATIOS = np.array([[[1.0, 4.0, 2.0], [3.0, 0.0, NEVER]], [[1.5, 0.5, 0.0], [2.0, 0.0, NEVER]]])

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from d3a import teaching
 from d3a.constraints import HISTORY, SAID
-from d3a.corrections import UnknownThing
+from d3a.correcting.corrections import UnknownThing
 from d3a.ingest import ingest
 from d3a.model import BadInput, Frame, Json
 from d3a.parameters import PROFILES, Parameters

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from d3a.coverage import Coverage, angle_between
+from d3a.ingesting.coverage import Coverage, angle_between
 from d3a.model import Pose
 from d3a.parameters import DEFAULT
 from tests.worlds.rounds import CAMERA, FORWARD

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from d3a.answer import Answer
-from d3a.departures import Left, Looks, share_left
+from d3a.answering.departures import Left, Looks, share_left
 from d3a.execute import execute
 from d3a.parameters import DEFAULT
 from d3a.plan import plan

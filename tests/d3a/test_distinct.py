@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from d3a.distinct import things_of
+from d3a.answering.distinct import things_of
 from d3a.store.base import ObjectRecord
 
 Span = tuple[int, int]

@@ -7,12 +7,12 @@ from dataclasses import replace
 
 import pytest
 
-from d3a.encounters import Encounters, apart
 from d3a.ledger import Ledger
 from d3a.model import Detection, Position
 from d3a.parameters import DEFAULT
 from d3a.sightings import FrameRef
 from d3a.store.base import Encounter
+from d3a.tracking.encounters import Encounters, apart
 from tests.worlds.oracle import OracleStore
 
 BOX, OTHER_BOX = (0.0, 0.0, 10.0, 10.0), (20.0, 0.0, 30.0, 10.0)

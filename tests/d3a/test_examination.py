@@ -8,8 +8,8 @@ from dataclasses import replace
 
 import pytest
 
+from d3a.correcting.forgotten import UNSCRUBBED
 from d3a.examination import examine, facts_of, mend
-from d3a.forgotten import UNSCRUBBED
 from d3a.store.base import Batch, Keyframe, Store
 from tests.worlds import small_home
 from tests.worlds.oracle import OracleStore

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from d3a.answer import Answer
-from d3a.attributes import LEAST_ONCE, Judged, Looks, judged
+from d3a.answering.attributes import LEAST_ONCE, Judged, Looks, judged
+from d3a.answering.match import Candidate
 from d3a.colours import Palette
 from d3a.execute import execute
-from d3a.match import Candidate
 from d3a.parameters import DEFAULT
 from d3a.plan import JudgeAttributes, Precision, plan
 from d3a.store.base import ObjectRecord

@@ -8,12 +8,12 @@ from pathlib import Path
 
 import pytest
 
-from d3a import facts as facts_module
-from d3a import revision
-from d3a.attributes import Looks
-from d3a.facts import Facts
-from d3a.match import Candidate
-from d3a.moments import in_slice, joined
+from d3a.answering import facts as facts_module
+from d3a.answering import revision
+from d3a.answering.attributes import Looks
+from d3a.answering.facts import Facts
+from d3a.answering.match import Candidate
+from d3a.answering.moments import in_slice, joined
 from d3a.plan import FindObjects
 from d3a.store import open_store
 from d3a.store.base import Batch, NativeQuery, Region, Store

@@ -14,13 +14,13 @@ from hypothesis import strategies as st
 
 from assistant.lexicon import VocabularyLexicon
 from d3a.checkpoint import pack, unpack
-from d3a.cutting import Slice
-from d3a.forgetting import ForgetPlan, forget, people, plan_forgetting
-from d3a.forgotten import UNSCRUBBED, Selection
+from d3a.correcting.cutting import Slice
+from d3a.correcting.forgetting import ForgetPlan, forget, people, plan_forgetting
+from d3a.correcting.forgotten import UNSCRUBBED, Selection
+from d3a.correcting.retention import plan_retention, retention_of, seconds_of, set_retention
 from d3a.ingest import ingest
 from d3a.model import BadInput, Frame
 from d3a.parameters import PROFILES, Parameters
-from d3a.retention import plan_retention, retention_of, seconds_of, set_retention
 from d3a.store import open_store
 from d3a.store.base import FORGOTTEN, Batch, Keyframe, Store, StoreError, TaughtName
 from d3a.teaching import history, merge, teach_name

@@ -13,12 +13,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from d3a.answer import Answer
+from d3a.answering.gathering import Ties, gathered, scattered
+from d3a.answering.joins import Related
+from d3a.answering.linked import Link
+from d3a.answering.match import Candidate
+from d3a.answering.moments import Found
 from d3a.execute import execute
-from d3a.gathering import Ties, gathered, scattered
-from d3a.joins import Related
-from d3a.linked import Link
-from d3a.match import Candidate
-from d3a.moments import Found
 from d3a.parameters import DEFAULT
 from d3a.plan import Gather, Unite, numbers_together, plan
 from d3a.store.base import ObjectRecord, Sighting, Store

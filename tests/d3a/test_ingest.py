@@ -9,10 +9,8 @@ from pathlib import Path
 import pytest
 
 from d3a.ingest import NOTED_FRAMES, ingest
-from d3a.lacking import LOOKLESS, UNPLACED, UNPOSED
-from d3a.model import BadInput, Detection, Frame, Pose
-from d3a.parameters import DEFAULT, PAPER, Parameters
-from d3a.preparation import (
+from d3a.ingesting.lacking import LOOKLESS, UNPLACED, UNPOSED
+from d3a.ingesting.preparation import (
     BROKEN_DEPTH,
     BROKEN_PICTURE,
     NO_CAMERA,
@@ -21,8 +19,10 @@ from d3a.preparation import (
     TOO_FAR,
     WEAK,
 )
+from d3a.ingesting.sieve import BACKWARDS, DUPLICATE, NO_DATE
+from d3a.model import BadInput, Detection, Frame, Pose
+from d3a.parameters import DEFAULT, PAPER, Parameters
 from d3a.readers.opening import open_source
-from d3a.sieve import BACKWARDS, DUPLICATE, NO_DATE
 from d3a.store.base import Batch, TaughtName
 from tests.worlds.oracle import OracleStore
 from tests.worlds.rounds import (

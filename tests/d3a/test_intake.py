@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from d3a.images import decode
 from d3a.ingest import ingest
-from d3a.intake import (
+from d3a.ingesting.intake import (
     EVERYTHING,
     GREY,
     IN_OFF_LIMITS,

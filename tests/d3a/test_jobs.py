@@ -12,11 +12,11 @@ from typing import Any
 
 import pytest
 
-from d3a import jobs as jobs_module
 from d3a.images import Pixels
 from d3a.ingest import IngestSummary, ingest
-from d3a.intake import Intake
-from d3a.jobs import NEEDS, Jobs
+from d3a.ingesting import jobs as jobs_module
+from d3a.ingesting.intake import Intake
+from d3a.ingesting.jobs import NEEDS, Jobs
 from d3a.model import BadInput, Detection, Frame, Json
 from d3a.parameters import DEFAULT, PROFILES
 from d3a.readers.base import Reader, RecordingFacts, Skipped

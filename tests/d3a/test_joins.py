@@ -8,10 +8,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from d3a import joins
-from d3a.joins import links, meeting
-from d3a.match import Candidate
-from d3a.moments import Found
+from d3a.answering import joins
+from d3a.answering.joins import links, meeting
+from d3a.answering.match import Candidate
+from d3a.answering.moments import Found
 from d3a.store.base import Encounter, ObjectRecord, Sighting, StayKey, StayRecord
 
 BOX = (0.0, 0.0, 1.0, 1.0)

@@ -7,7 +7,7 @@ import random
 
 import pytest
 
-from d3a.landmarks import Landmarks
+from d3a.answering.landmarks import Landmarks
 from d3a.store.base import StayRecord
 
 ROOMS = ((), ("kitchen",), ("hall",), ("kitchen", "pantry"))

@@ -9,11 +9,11 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
-from d3a import likelihood
-from d3a.likelihood import BESIDE, OTHER, SAME, UPPER, CategoryModel, LookModel, shares
-from d3a.look_space import LookSpace
-from d3a.neighbours import Neighbours
 from d3a.parameters import DEFAULT
+from d3a.tracking import likelihood
+from d3a.tracking.likelihood import BESIDE, OTHER, SAME, UPPER, CategoryModel, LookModel, shares
+from d3a.tracking.look_space import LookSpace
+from d3a.tracking.neighbours import Neighbours
 from tests.worlds.rounds import colour
 
 SPACE = DEFAULT.space_m3

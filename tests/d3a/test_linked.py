@@ -7,12 +7,12 @@ import math
 import numpy as np
 import pytest
 
-from d3a.joins import links
-from d3a.linked import agreed, numbered, pairs_of
-from d3a.match import Candidate
+from d3a.answering.joins import links
+from d3a.answering.linked import agreed, numbered, pairs_of
+from d3a.answering.match import Candidate
+from d3a.answering.moments import Found
+from d3a.answering.pairs import SURFACE_SHARE, VISIT_ERROR, distance_of
 from d3a.model import Position
-from d3a.moments import Found
-from d3a.pairs import SURFACE_SHARE, VISIT_ERROR, distance_of
 from d3a.store.base import Apart, Encounter, ObjectRecord, Sighting, StayRecord
 
 BOX, OTHER_BOX = (0.0, 0.0, 10.0, 10.0), (20.0, 0.0, 30.0, 10.0)

@@ -24,12 +24,12 @@ from d3a.embedders.opening import open_embedder
 from d3a.exporting import export
 from d3a.images import HISTOGRAM_MODEL, Pixels
 from d3a.ingest import IngestSummary, ingest
+from d3a.ingesting.preparation import BROKEN_PICTURE, NO_PICTURE
+from d3a.ingesting.sieve import BACKWARDS
 from d3a.model import BadInput, D3AError, Detection, Frame
 from d3a.parameters import DEFAULT, PAPER, Parameters
-from d3a.preparation import BROKEN_PICTURE, NO_PICTURE
 from d3a.readers.base import RecordingFacts
 from d3a.readers.opening import open_source
-from d3a.sieve import BACKWARDS
 from tests.worlds.onnx_models import CLASSES, finder, mean_colour, scene
 from tests.worlds.oracle import OracleStore
 from tests.worlds.rounds import START_MS, ListReader, frame_line, write_recording

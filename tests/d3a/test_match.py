@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from d3a.match import (
+from d3a.answering.match import (
     BROADER,
     EXACT,
     NARROWER,

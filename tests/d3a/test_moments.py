@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
-from d3a.match import Candidate
-from d3a.moments import Found, extents
+from d3a.answering.match import Candidate
+from d3a.answering.moments import Found, extents
 from d3a.store.base import ObjectRecord
 
 

@@ -9,14 +9,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from d3a.absence import Absence
-from d3a.arrivals import CAME_MOST
-from d3a.known import Known, Place
-from d3a.likelihood import LookModel
-from d3a.look_space import LookSpace
-from d3a.memory import Memory
-from d3a.moves import BINS, LEFT_LEAST, PLAIN_LOOK, Kind, Moves
 from d3a.parameters import DEFAULT
+from d3a.tracking.absence import Absence
+from d3a.tracking.arrivals import CAME_MOST
+from d3a.tracking.known import Known, Place
+from d3a.tracking.likelihood import LookModel
+from d3a.tracking.look_space import LookSpace
+from d3a.tracking.memory import Memory
+from d3a.tracking.moves import BINS, LEFT_LEAST, PLAIN_LOOK, Kind, Moves
 
 LEAST = DEFAULT.move_probability
 ALIKE, UNLIKE = int(0.95 * BINS), int(0.6 * BINS)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from d3a.outside import Outside
+from d3a.tracking.outside import Outside
 
 NOISE = np.array([[0.04, 0.04, 0.02]])
 

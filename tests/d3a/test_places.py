@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from d3a.places import holders_of, room_of, rooms_of
+from d3a.answering.places import holders_of, room_of, rooms_of
 from d3a.store.base import Region
 
 

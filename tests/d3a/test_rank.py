@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from d3a.match import Candidate
-from d3a.moments import Entry, Moment
+from d3a.answering.match import Candidate
+from d3a.answering.moments import Entry, Moment
 from d3a.rank import LEAST_OF_BEST, TENTATIVE, UNJUDGED, entry_score, rank
 from d3a.rank import views_probability as views
 from d3a.store.base import ObjectRecord, Sighting, StayRecord

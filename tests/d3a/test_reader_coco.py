@@ -10,9 +10,9 @@ from typing import Any
 import pytest
 
 from d3a.ingest import ingest
+from d3a.ingesting.preparation import BROKEN_PICTURE, OUTSIDE
 from d3a.model import BadInput
 from d3a.parameters import DEFAULT, PAPER, Parameters
-from d3a.preparation import BROKEN_PICTURE, OUTSIDE
 from d3a.readers import parsing
 from d3a.readers.base import Described
 from d3a.readers.coco import CERTAIN_NOTE, CUT_OFF, NO_TIME, UNKNOWN_IMAGE

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from d3a.ingest import ingest
+from d3a.ingesting.preparation import BROKEN_PICTURE, OUTSIDE
 from d3a.parameters import DEFAULT, PAPER, Parameters
-from d3a.preparation import BROKEN_PICTURE, OUTSIDE
 from d3a.readers.kuri import LOCATION_SIGMA_M
 from d3a.readers.opening import open_source
 from d3a.readers.posed import EPOCH, POSE_SIGMA_M, POSE_SIGMA_RAD

@@ -13,10 +13,10 @@ from types import ModuleType
 import pytest
 
 from d3a.ingest import ingest
+from d3a.ingesting.survey import lacks, survey
 from d3a.model import BadInput
 from d3a.parameters import DEFAULT
 from d3a.readers.opening import open_source
-from d3a.survey import lacks, survey
 from tests.worlds.folders import as_recording, as_tum
 from tests.worlds.oracle import OracleStore
 

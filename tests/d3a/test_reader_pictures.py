@@ -9,9 +9,9 @@ import pytest
 from PIL import Image
 
 from d3a.ingest import ingest
+from d3a.ingesting.preparation import BROKEN_PICTURE, OUTSIDE
 from d3a.model import BadInput
 from d3a.parameters import DEFAULT, PAPER, Parameters
-from d3a.preparation import BROKEN_PICTURE, OUTSIDE
 from d3a.readers import parsing
 from d3a.readers.base import Described
 from d3a.readers.beside import NO_POSE

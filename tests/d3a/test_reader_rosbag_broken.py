@@ -11,9 +11,10 @@ import numpy as np
 import pytest
 
 from d3a.ingest import IngestSummary, ingest
+from d3a.ingesting.preparation import BROKEN_DEPTH, BROKEN_PICTURE, OTHER_CAMERA, OUTSIDE
+from d3a.ingesting.survey import lacks, survey
 from d3a.model import BadInput, Pose
 from d3a.parameters import DEFAULT
-from d3a.preparation import BROKEN_DEPTH, BROKEN_PICTURE, OTHER_CAMERA, OUTSIDE
 from d3a.readers import parsing, rosbag
 from d3a.readers.base import Described
 from d3a.readers.opening import open_source
@@ -21,7 +22,6 @@ from d3a.readers.ros_bag import CUT
 from d3a.readers.ros_index import BROKEN_MESSAGE, BROKEN_TRANSFORM, NO_CALIBRATION, NO_STAMP
 from d3a.readers.rosbag import NO_DEPTH, NO_WAY, NOT_LOOKED
 from d3a.readers.tracks import BROKEN_POSE
-from d3a.survey import lacks, survey
 
 pytest.importorskip("rosbags", reason="rosbags is not installed: pip install 'd3a[ros]'")
 

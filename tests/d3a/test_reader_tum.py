@@ -10,15 +10,15 @@ import numpy as np
 import pytest
 
 from d3a.ingest import ingest
+from d3a.ingesting.preparation import BROKEN_DEPTH, BROKEN_PICTURE, OUTSIDE
+from d3a.ingesting.sieve import BACKWARDS
 from d3a.model import BadInput
 from d3a.parameters import DEFAULT, PAPER, Parameters
-from d3a.preparation import BROKEN_DEPTH, BROKEN_PICTURE, OUTSIDE
 from d3a.readers import parsing
 from d3a.readers.base import Described
 from d3a.readers.opening import open_source
 from d3a.readers.tracks import BROKEN_POSE, BROKEN_TIME
 from d3a.readers.tum import NO_DEPTH, NO_POSE
-from d3a.sieve import BACKWARDS
 from tests.worlds.folders import NAMED, as_recording, as_tum, dumped, moments, taken_by
 from tests.worlds.oracle import OracleStore
 from tests.worlds.rounds import depth_png

@@ -12,9 +12,9 @@ import pytest
 
 from d3a.images import decode
 from d3a.ingest import ingest
+from d3a.ingesting.preparation import OUTSIDE
 from d3a.model import BadInput
 from d3a.parameters import DEFAULT, PAPER, Parameters
-from d3a.preparation import OUTSIDE
 from d3a.readers import parsing
 from d3a.readers.base import Described, Outlined
 from d3a.readers.beside import NO_POSE, UNDATED_NOTE

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from d3a.pairs import Pairs, normal_cdf, up_axis
+from d3a.answering.pairs import Pairs, normal_cdf, up_axis
 from d3a.parameters import DEFAULT
 from d3a.relations import GROUPED, between, probability
 from grammar.forms import RELATION_KINDS, RelationKind

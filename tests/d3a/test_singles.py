@@ -9,9 +9,9 @@ import pytest
 from d3a.ledger import Ledger
 from d3a.parameters import DEFAULT
 from d3a.sightings import FrameRef
-from d3a.singles import LONG_MS, PRIOR, REMEMBERED, Singles
 from d3a.tier3 import Stored
-from d3a.tracker import TrackerPipeline
+from d3a.tracking.singles import LONG_MS, PRIOR, REMEMBERED, Singles
+from d3a.tracking.tracker import TrackerPipeline
 from tests.worlds.oracle import OracleStore
 
 

@@ -9,10 +9,10 @@ import pytest
 
 from assistant.asking import ask
 from d3a.answer import Answer
+from d3a.answering.places import room_of
 from d3a.ingest import ingest
 from d3a.model import Frame
 from d3a.parameters import PROFILES
-from d3a.places import room_of
 from d3a.readers.base import RecordingFacts, Regions
 from tests.worlds.oracle import OracleStore
 from tests.worlds.rounds import ListReader, Thing, circle, rounds

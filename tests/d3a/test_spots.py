@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from d3a import spots as spots_module
-from d3a.landmarks import Landmarks
-from d3a.spots import Spot, Spots
+from d3a.answering import spots as spots_module
+from d3a.answering.landmarks import Landmarks
+from d3a.answering.spots import Spot, Spots
 from d3a.store.base import Region, StayRecord
 
 KITCHEN = Region("kitchen", ((0.0, 0.0), (4.0, 0.0), (4.0, 4.0), (0.0, 4.0)))

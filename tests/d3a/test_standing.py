@@ -9,15 +9,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from d3a import standing
+from d3a.answering import standing
+from d3a.answering.joined import between_moments
+from d3a.answering.joins import Asked
+from d3a.answering.match import Candidate
+from d3a.answering.moments import Found
+from d3a.answering.standing import stood_together, within_reach
 from d3a.execute import execute
-from d3a.joined import between_moments
-from d3a.joins import Asked
-from d3a.match import Candidate
-from d3a.moments import Found
 from d3a.parameters import DEFAULT
 from d3a.plan import plan
-from d3a.standing import stood_together, within_reach
 from d3a.store.base import ObjectRecord, Sighting, StayRecord
 from grammar.forms import FormalQuery, ObjectTerm, Relation, RelationKind
 from tests.worlds.made import NOW, Home, Words

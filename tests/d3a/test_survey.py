@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pytest
 
+from d3a.ingesting.sieve import DUPLICATE
+from d3a.ingesting.survey import Gap, Survey, lacks, survey, to_json
 from d3a.readers.base import Link, Stream
 from d3a.readers.opening import open_source
-from d3a.sieve import DUPLICATE
-from d3a.survey import Gap, Survey, lacks, survey, to_json
 from tests.worlds.folders import as_recording, as_tum, moments
 from tests.worlds.rounds import ListReader, Thing, depth_png, jpeg, rounds
 

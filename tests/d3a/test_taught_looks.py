@@ -14,12 +14,13 @@ import pytest
 from d3a import images, teaching
 from d3a.answer import is_by_look
 from d3a.constraints import HISTORY, SAID, Correction
-from d3a.corrections import UnknownThing
-from d3a.forgetting import forget, plan_forgetting
-from d3a.forgotten import Selection
+from d3a.correcting.corrections import UnknownThing
+from d3a.correcting.forgetting import forget, plan_forgetting
+from d3a.correcting.forgotten import Selection
+from d3a.correcting.look_search import Look, search
+from d3a.correcting.taught_looks import search_later, teach_look
 from d3a.ingest import ingest
-from d3a.live import Live
-from d3a.look_search import Look, search
+from d3a.ingesting.live import Live
 from d3a.model import BadInput, Box, Frame, Json
 from d3a.parameters import PROFILES
 from d3a.readers.base import RecordingFacts
@@ -32,7 +33,6 @@ from d3a.store.base import (
     Store,
     TaughtName,
 )
-from d3a.taught_looks import search_later, teach_look
 from tests.worlds.oracle import OracleStore
 from tests.worlds.rounds import ListReader, Thing, circle, rounds
 

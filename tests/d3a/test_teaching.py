@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from d3a import teaching
 from d3a.constraints import HISTORY, SAID, Correction, History, forgetting
-from d3a.corrections import UnknownThing
+from d3a.correcting.corrections import UnknownThing
 from d3a.images import encode, histogram
 from d3a.model import BadInput, Json
 from d3a.store import open_store

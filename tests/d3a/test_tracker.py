@@ -10,8 +10,8 @@ import pytest
 
 from d3a.ingest import ingest
 from d3a.model import Detection, Frame, Pose
-from d3a.moves import Link, Moves
 from d3a.parameters import DEFAULT, Parameters
+from d3a.tracking.moves import Link, Moves
 from tests.worlds.oracle import OracleStore
 from tests.worlds.rounds import (
     CAMERA,

@@ -11,12 +11,12 @@ import numpy as np
 import pytest
 
 from d3a.ingest import ingest
-from d3a.live import Live
+from d3a.ingesting.live import Live
+from d3a.ingesting.sieve import BACKWARDS, JUMP
 from d3a.model import BadInput, Frame, Json
 from d3a.parameters import DEFAULT, PROFILES
 from d3a.readers.base import Follower
 from d3a.readers.opening import open_source
-from d3a.sieve import BACKWARDS, JUMP
 from d3a.watch import Patience, Watching, follow, watch
 from d3a.watch.recording import LATE
 from tests.worlds.folders import as_recording, as_tum, boxes_file, moments, pictures
@@ -357,7 +357,7 @@ def test_a_first_stamp_that_is_ahead_is_left_out(tmp_path: Path) -> None:
 
 def test_the_store_is_fresh_while_frames_come(monkeypatch: pytest.MonkeyPatch) -> None:
     """With a checkpoint per 100 frames and a handful of frames, time alone makes them."""
-    monkeypatch.setattr("d3a.live.Pulse.SHARE", 0)  # however long a checkpoint takes
+    monkeypatch.setattr("d3a.ingesting.live.Pulse.SHARE", 0)  # however long a checkpoint takes
     frames = rounds([Thing("cup", (1.0, 0.0, 0.0), 1)], 12, missed=0.0)
     store, seen = OracleStore(), []
 

@@ -11,8 +11,8 @@ import pytest
 
 from d3a import teaching
 from d3a.constraints import Correction, with_records
-from d3a.forgetting import forget, plan_forgetting
-from d3a.forgotten import Selection
+from d3a.correcting.forgetting import forget, plan_forgetting
+from d3a.correcting.forgotten import Selection
 from d3a.store import open_store
 from d3a.store.base import Batch, Keyframe
 from d3a.store.copy import copy_store
@@ -88,7 +88,7 @@ def test_a_forgetting_is_planned_in_one_moment(
                 teaching.undo(another)
             return with_records(*args)
 
-        monkeypatch.setattr("d3a.forgotten_history.with_records", undone_meanwhile)
+        monkeypatch.setattr("d3a.correcting.forgotten_history.with_records", undone_meanwhile)
         plan = plan_forgetting(store, Selection(object_ids=frozenset({"keys-1"})))
         assert teaching.history(another) == ()
         done = forget(store, plan)

@@ -1,0 +1,218 @@
+"""The honest no: why nothing was found, and the nearest true keyframe outside of what was asked."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from d3a.answering.changes import by_object, left_places
+from d3a.answering.conclude import least_of
+from d3a.answering.distinct import things_of
+from d3a.answering.moments import Found, Moment, in_slice, single
+from d3a.answering.places import last_look
+from d3a.answering.points import edge_of, looked_at
+from d3a.answering.run import Run, milliseconds
+from d3a.plan import ExplainEmpty
+from d3a.rank import LEAST_OF_BEST, rank
+from d3a.store.base import Sighting, StayKey
+from grammar.forms import ANYTHING, ObjectTerm
+
+
+def explain_empty(run: Run, step: ExplainEmpty) -> None:
+    """Set status, reason, the keyframe to tell instead, and suggestions of a run without finds.
+
+    "Did you see the cup and the bowl?" is a no when either was not seen: the other is told.
+    """
+    unseen = [] if run.moments is not None else [v for v in step.vars if not run.found[v].sightings]
+    if run.ranked and not (unseen and run.query.ask == "whether"):
+        if _is_another_number(run):
+            return
+        if edge_of(run.query) is not None:  # what was found may be of before and after
+            run.looked_then = _looked_then(run, step)
+        return
+    run.status = "not_found"
+    best = run.ranked[0].moment if run.ranked else None
+    run.ranked = []
+    if not run.facts.categories():
+        run.reason = "empty"
+        return
+    var = unseen[0] if unseen else step.vars[0]
+    _say_which(run, var)
+    for name, term in zip(_needed(run, var), _terms(run, var), strict=True):
+        if not run.found[name].known:
+            _unknown(run, term.category, term.word)
+            _say_which(run, name)
+            return
+    _why(run, step, var)
+    run.otherwise = run.otherwise or best
+    run.find_landmarks()
+
+
+def _is_another_number(run: Run) -> bool:
+    """Say whether fewer or more were seen than a yes or no was asked of: a no with their number.
+
+    Too few are they where all objects are, though two ids may be one thing; too many where those
+    are that must be different things.
+    """
+    term = run.query.objects[0] if run.query.objects else ObjectTerm(ANYTHING)
+    if run.query.ask != "whether" or term.quantity is None or run.figures > 1:
+        return False
+    standing = {id(moment) for moment in run.standing(one.moment for one in run.ranked)}
+    ranked = [one for one in run.ranked if id(one.moment) in standing]
+    number = len({one.moment.figure.sighting.object_id for one in ranked})
+    judged = term.bound != "least" and not run.unjudged  # of four cups two may be wooden
+    surely = least_of(run) if judged else 0
+    few = number < term.quantity and term.bound != "most"
+    if not few and surely <= term.quantity:
+        return False
+    least = max(one.score for one in ranked) * LEAST_OF_BEST
+    likely = [one.moment for one in ranked if one.score >= least]
+    run.status, run.reason, run.ranked = "not_found", "never", []
+    run.counted, run.surely = number, 0 if few else surely
+    run.otherwise = max(likely, key=lambda moment: moment.end_ms)
+    run.find_landmarks()
+    return True
+
+
+def _why(run: Run, step: ExplainEmpty, var: str) -> None:
+    """Set the reason of a no for a variable whose word is known, and what to tell instead."""
+    run.reason = "never"
+    table = run.found[var]
+    run.looked_then = _looked_then(run, step)
+    if table.refused and not table.candidates:
+        _tell_refused(run, var)
+        return
+    if run.query.ask == "moved" and run.term(var).category != ANYTHING:
+        _seen_apart(run, step, var)
+        return
+    if run.query.ask in ("moved", "missing") or not table.candidates:
+        return
+    if table.gone:
+        run.reason = "gone"
+        run.otherwise = _newest(table, table.gone)
+        return
+    sifted = run.before_relation.get(var) or run.before_place.get(var)
+    outside = [] if sifted else _outside(run, step, var)
+    if sifted or outside:
+        run.reason = "not_there" if sifted else "not_then"
+        if not _is_anything_somewhere(run, var):
+            run.otherwise = _newest(table, sifted) if sifted else outside[0]
+
+
+def _is_anything_somewhere(run: Run, var: str) -> bool:
+    """Whether anything at all was asked for, at a place: what was elsewhere says nothing of it."""
+    term, somewhere = run.term(var), run.query.relation is not None or run.query.place is not None
+    return somewhere and term.category == ANYTHING and not (term.attributes or term.without)
+
+
+def _tell_refused(run: Run, var: str) -> None:
+    """Tell the newest of what the word means, where none of it has the attributes asked for."""
+    table, term = run.found[var], run.term(var)
+    meant = Found({c.record.object_id: c for c in table.refused})
+    meant.stays = run.facts.stays(meant.ids)
+    run.otherwise = _newest(meant, run.store.edges(meant.ids, "last"))
+    run.refused = (*term.attributes, *(f"not {word}" for word in term.without))
+
+
+def _seen_apart(run: Run, step: ExplainEmpty, var: str) -> None:
+    """Note at how many places the word's things were seen, where any two may be one that moved.
+
+    So they may where the one was last seen before the other was first: within a round, too, a
+    thing may be carried. Else tell what left its place and was not seen again.
+    """
+    table, time = run.found[var], looked_at(step.time)
+    start, end = milliseconds(time.start), milliseconds(time.end)
+    inside = [s for s in table.sightings if in_slice(s, start, end)]
+    seen = by_object(inside)
+    things = things_of(
+        replace(
+            table.candidates[name].record,
+            first_ms=sightings[0].start_ms,
+            last_ms=max(s.end_ms for s in sightings),
+        )
+        for name, sightings in seen.items()
+    )
+    if len(set(things.values())) < len(seen):
+        run.apart = len({s.stay for s in inside})
+        run.otherwise = _newest(table, inside)
+    elif gone := [s for left in left_places(table) for s in left.sightings if s in inside]:
+        run.reason, run.otherwise = "gone", _newest(table, gone)
+
+
+def _looked_then(run: Run, step: ExplainEmpty) -> bool | None:
+    """Return whether there was a look in the asked slice; None where no time was asked for.
+
+    Where a room is asked for and the poses are known, whether the look was into it.
+    """
+    if step.time is None:
+        return None
+    time = looked_at(step.time)
+    start, end = milliseconds(time.start), milliseconds(time.end)
+    views = run.store.views(start_ms=start, end_ms=None if end is None else end - 1)
+    region = run.region(step.place) if step.place is not None else None
+    if region is None or any(view.x is None for view in views):
+        return bool(views)
+    return last_look(views, region) is not None
+
+
+def _say_which(run: Run, var: str) -> None:
+    """Note which of several objects the no is about, as said."""
+    if len(run.query.objects) > 1 and var != run.query.objects[0].var:
+        term = run.term(var)
+        said = " ".join((*term.attributes, term.word))
+        run.message = f"The answer is about “{said}”."
+
+
+def _needed(run: Run, var: str) -> list[str]:
+    """Return the variables without which there is no answer: both of what was together."""
+    together = run.query.relation is not None and run.query.relation.kind == "together"
+    return [term.var for term in run.query.objects] if together else [var]
+
+
+def _terms(run: Run, var: str) -> list[ObjectTerm]:
+    return [run.term(name) for name in _needed(run, var)]
+
+
+def _unknown(run: Run, category: str, word: str) -> None:
+    """No category, taught name or class is this word: tell the nearest that there are."""
+    run.status = "unknown_object"
+    run.reason = "not_recognisable" if run.facts.classes() is not None else "never"
+    spelled = {run.lexicon.canonical(c): c for c in run.facts.categories()}
+    names = [name.word for name in run.facts.names()]
+    near = [*run.lexicon.nearest(word, [*names, *spelled])]
+    if word != category:
+        near += run.lexicon.nearest(category, [*names, *spelled])
+    run.suggestions = tuple(dict.fromkeys(near))[:3]
+
+
+def _newest(table: Found, sightings: Sequence[Sighting]) -> Moment | None:
+    """Return the likely moment that is nearest to now, of each place its newest alone."""
+    newest: dict[StayKey, Sighting] = {}
+    for sighting in sorted(sightings, key=lambda s: (s.end_ms, s.start_ms)):
+        newest[sighting.stay] = sighting
+    ordered = rank([single(table, s) for s in newest.values()], "last", spread=False)
+    return ordered[0].moment if ordered else None
+
+
+def _outside(run: Run, step: ExplainEmpty, var: str) -> list[Moment]:
+    """Return sightings outside of the slice, the nearest in time first."""
+    if step.time is None:
+        return []
+    table = run.found[var]
+    time = looked_at(step.time)
+    start, end = milliseconds(time.start), milliseconds(time.end)
+    found: list[Sighting] = []
+    if start is not None:
+        found += run.store.edges(table.ids, "last", before_ms=start)
+    if end is not None:
+        found += run.store.edges(table.ids, "first", after_ms=end)
+    if not found:
+        return []
+    table.stays = run.facts.stays(table.ids)
+
+    def apart(sighting: Sighting) -> tuple[int, int, str]:
+        before = start - sighting.end_ms if start is not None else 0
+        after = sighting.start_ms - end if end is not None else 0
+        return (max(before, after, 0), sighting.start_ms, sighting.object_id)
+
+    return [single(table, sighting) for sighting in sorted(found, key=apart)]

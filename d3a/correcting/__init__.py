@@ -1,0 +1,1 @@
+"""What people say of a store later: names, corrections, what is to be forgotten, undo."""

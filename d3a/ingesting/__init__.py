@@ -1,0 +1,1 @@
+"""On the way to the associator: which frames are taken in, made ready, and what is noted."""

@@ -1,0 +1,1 @@
+"""The `default` profile: the three tiers by likelihood, its memory and what it learns."""

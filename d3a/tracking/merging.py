@@ -1,0 +1,203 @@
+"""Default profile: two things in memory that are one.
+
+A bad position or look may found a second thing beside a known one; then detections go now to the
+one, now to the other. They are made one when a look finds one and misses the other, where place,
+look and category all say the same, and no frame ever showed both.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from d3a.ledger import Ledger
+from d3a.parameters import Parameters
+from d3a.sightings import Interval, joined
+from d3a.store.base import StayKey
+from d3a.symmetric import added, inverse, minus, plus, squared, times
+from d3a.tracking import likelihood
+from d3a.tracking.known import Known, Place
+from d3a.tracking.likelihood import BESIDE, OTHER, CategoryModel, LookModel
+from d3a.tracking.look_space import LookSpace
+from d3a.tracking.memory import Memory
+from d3a.tracking.neighbours import Neighbours
+from d3a.tracking.positions import Row
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Evidence:
+    """What tells two things apart."""
+
+    memory: Memory
+    space: LookSpace
+    looks: LookModel
+    categories: CategoryModel
+    neighbours: Neighbours
+    parameters: Parameters
+
+    def likely(self, missed: list[Known], found: list[Known]) -> list[tuple[Known, list[Known]]]:
+        """Return what was missed with the found things that it likely is, the likeliest first.
+
+        By all but time, as the look has left them. Things with names, several places or no position
+        are left alone, and so is what was seen beside the other.
+        """
+        likely: dict[int, tuple[Known, list[tuple[float, int, Known]]]] = {}
+        for odds, (one, other) in self._odds(self._near(missed, found)):
+            if odds >= self.parameters.merge_odds:
+                likely.setdefault(one.number, (one, []))[1].append((-odds, other.number, other))
+        return [(one, [other for *_, other in sorted(each)]) for one, each in likely.values()]
+
+    def _near(self, missed: list[Known], found: list[Known]) -> list[tuple[Known, Known]]:
+        """Return the pairs that may be within each other's gate, and were never seen together."""
+        of = self.memory.positions.of
+        others = [(other, of(other.places[0])) for other in found if _is_simple(other)]
+        return [
+            (one, other)
+            for one in missed
+            if _is_simple(one)
+            for other, its in others
+            if other.number not in one.met
+            and other is not one
+            and self._are_near(of(one.places[0]), its)
+        ]
+
+    def _are_near(self, one: Row, other: Row) -> bool:
+        """Say whether two places are within each other's gate."""
+        most = self.parameters.gate_sigmas**2
+        away, spread = minus(one.mean, other.mean), added(one.spread, other.spread)
+        if away[0] ** 2 > most * spread[0] or away[1] ** 2 > most * spread[3]:
+            return False  # outside of it along an axis alone: nearly all are
+        return squared(inverse(spread), away) <= most
+
+    def _odds(self, pairs: list[tuple[Known, Known]]) -> list[tuple[float, tuple[Known, Known]]]:
+        """Return the log-odds that pairs are one, of those where a look may say so."""
+        if not pairs:
+            return []
+        agreed, differing = self._told(pairs)
+        most = np.logaddexp(agreed, differing) + self.parameters.look_most
+        at = (most >= self.parameters.merge_odds).nonzero()[0]
+        if len(at) == 0:
+            return []
+        pairs = [pairs[k] for k in at.tolist()]
+        same, beside = self._looks_told(pairs)
+        odds: list[float] = np.logaddexp(agreed[at] + same, differing[at] + beside).tolist()
+        return list(zip(odds, pairs, strict=True))
+
+    def _told(self, pairs: list[tuple[Known, Known]]) -> tuple[Floats, Floats]:
+        """Return what category and place say of pairs, (k,).
+
+        All are at one place each. First if the names agree, then if one of them is wrong.
+        """
+        columns = self.memory.positions.columns
+        a, b = (columns[:, [pair[k].places[0].row for pair in pairs]] for k in (0, 1))
+        away = a[:3] - b[:3]
+        off, determinant = likelihood.squared_distances(away, a[3:] + b[3:])
+        beside_m3 = self.neighbours.space_m3((away**2).sum(axis=0))
+        spaces = (self.parameters.space_m3, beside_m3)
+        place, beside = likelihood.position_ratios(off, determinant, spaces, self.parameters)
+        ones, others = ({pair[k].number: pair[k] for pair in pairs} for k in (0, 1))
+        names = [(one.category, one.weight / one.seen) for one in ones.values()]
+        evidence = self.categories.evidence(names, [other.shares for other in others.values()])
+        row = {number: k for k, number in enumerate(ones)}
+        column = {number: k for k, number in enumerate(others)}
+        at = [row[one.number] for one, _ in pairs], [column[other.number] for _, other in pairs]
+        return evidence[0][at] + place, evidence[1][at] + beside
+
+    def _looks_told(self, pairs: list[tuple[Known, Known]]) -> Floats:
+        """Return what the looks of pairs say, (2, k): against another of a kind, and one beside."""
+        views = np.array([min(one.look_weight, other.look_weight) for one, other in pairs])
+        if not views.any():
+            return np.zeros((2, len(pairs)))
+        units = self.memory.looks.units([thing for pair in pairs for thing in pair], self.space)
+        likeness = np.einsum("kd,kd->k", units[::2], units[1::2], dtype=np.float64)
+        told = self.looks.against(likeness[None], views, (OTHER, BESIDE))[:, 0]
+        return np.where(views > 0, told, 0.0)
+
+
+def never_together(thing: Known, others: list[Known], ledger: Ledger) -> Known | None:
+    """Return the first of `others` that no frame shows beside `thing`; all is written."""
+    met: set[str] = set()
+    ids = [other.object_id for other in others]
+    for encounter in ledger.encounters(thing.object_id, with_ids=ids):
+        met |= {encounter.object_a, encounter.object_b}
+    for other in others:
+        if other.object_id not in met:
+            return other
+        thing.met.add(other.number)  # not to be asked again
+    return None
+
+
+def _is_simple(thing: Known) -> bool:
+    return (
+        len(thing.places) == 1 and thing.row >= 0 and thing.places[0].row >= 0 and not thing.names
+    )
+
+
+def merge(
+    one: Known, other: Known, memory: Memory, ledger: Ledger, parameters: Parameters
+) -> tuple[StayKey, StayKey]:
+    """Make two things one, in the memory and in what is written; the older keeps its id.
+
+    Returns the stay that was, and the one that it is part of now.
+    """
+    kept, gone = (one, other) if one.number < other.number else (other, one)
+    place, lost = kept.places[0], gone.places[0]
+    becomes, was = (kept.object_id, place.number), (gone.object_id, lost.number)
+    sightings = ledger.sightings([kept.object_id, gone.object_id])
+    encounters = ledger.encounters(gone.object_id)
+    ledger.remove_objects({gone.object_id})
+    for sighting in sightings:
+        if sighting.stay == becomes:
+            ledger.remove_sighting(sighting)
+    seen = (Interval.from_sighting(each) for each in sightings)
+    intervals = joined(seen, parameters, parameters.unbroken_gap_s)
+    for interval in intervals:
+        ledger.put_sighting(interval.sighting(becomes))
+    for encounter in encounters:
+        if (renamed := encounter.renamed({was: becomes})) is not None:
+            ledger.put_encounter(renamed)
+    place.open = intervals[-1] if intervals else place.open
+    _join(kept, gone, memory, parameters)
+    return was, becomes
+
+
+def _join(kept: Known, gone: Known, memory: Memory, parameters: Parameters) -> None:
+    place, lost = kept.places[0], gone.places[0]
+    _join_positions(place, lost, memory, parameters)
+    for category, weight in gone.votes.items():
+        kept.vote(category, weight)
+    memory.touch(kept)
+    look = memory.looks.of(gone)
+    if look is not None:
+        memory.looks.blend(kept, look, gone.look_weight, parameters.looks_remembered)
+    for into, of in ((kept, gone), (place, lost)):
+        into.weight += of.weight
+        into.seen += of.seen
+        into.first_ms = min(into.first_ms, of.first_ms)
+        into.last_ms = max(into.last_ms, of.last_ms)
+    if place.last_absent_ms is not None and place.last_absent_ms < place.last_ms:
+        place.last_absent_ms = None
+    place.hits += lost.hits
+    place.chances = max(place.chances, place.hits)
+    place.misses, place.throughs, place.evidence, place.missed_from = 0, 0, 0.0, []
+    place.seen_from = [*place.seen_from, *lost.seen_from]
+    kept.met |= gone.met
+    kept.dirty = True
+    memory.remove(gone)
+
+
+def _join_positions(place: Place, lost: Place, memory: Memory, parameters: Parameters) -> None:
+    """Average both positions by what is known of each."""
+    one, other = memory.positions.of(place), memory.positions.of(lost)
+    p, q = inverse(one.error), inverse(other.error)
+    error = inverse(added(p, q))
+    mean, raw = (
+        times(error, plus(times(p, a), times(q, b)))
+        for a, b in ((one.mean, other.mean), (one.raw, other.raw))
+    )
+    scale = one.scale[0] + other.scale[0], one.scale[1] + other.scale[1]
+    memory.positions.put(place, Row.of(mean, raw, error, scale, parameters))

@@ -1,0 +1,340 @@
+"""Default profile: the identity of things that were moved.
+
+A thing that turns up at a new place is an old one, or none that is known. Three things speak for
+one that is known: the place that it left was looked at in vain since; the new place was looked at
+in vain before; and they look alike. How alike different things look is learned from things that
+cannot be one, as both were seen since. To inherit an id from whatever is most alike, as the paper
+does, is right once in ten times.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from d3a.ledger import Ledger
+from d3a.parameters import Parameters
+from d3a.sightings import Became, entry_name
+from d3a.store.base import StayKey
+from d3a.tracking.absence import SURE_SEEN, Absence
+from d3a.tracking.arrivals import CAME_MOST
+from d3a.tracking.known import Known, Place
+from d3a.tracking.likelihood import SAME, LookModel
+from d3a.tracking.look_space import LookSpace, cosines
+from d3a.tracking.memory import Memory
+
+Floats = NDArray[np.float64]
+BINS = 40
+"""Of cosines, -1 to 1."""
+OTHER_PRIOR, OTHER_MEAN, OTHER_SIGMA = 10.0, 0.3, 0.3
+"""Pairs of different things that are assumed before any was seen, and how alike they are."""
+SAME_SIGMA, SAME_OUTLIERS = 0.12, 0.05
+"""How the likeness of two means of one thing varies in one light, and the share that follows
+nothing: another side."""
+LIGHT_SHARE, LIGHT_LESS, LIGHT_SIGMA = 0.5, 0.15, 0.17
+"""The share of moves into another light, before another background; by how much less alike that
+makes the looks, and how much that varies."""
+GONE_MOST = 5.0
+"""Log-odds that looks in vain count for at most."""
+LOOK_LEAST = -1.0
+"""Log-odds of looks that speak against a move: below, places alone do not say what came."""
+PLAIN_LOOK, LEFT_LEAST = 3.0, 3.0
+"""A look whose log-odds tell a thing from all others of its category; and log-odds of its absence
+from which a thing may be elsewhere, whatever it looks like. A link needs one of them."""
+TOLD = GONE_MOST + 3.0
+"""Evidence of absence from which a further look in vain tells nothing: it counted for the most
+before, as no look tells more than 3."""
+Last = tuple[Known, Place]
+"""A thing, and the place where it was seen last."""
+Pair = tuple[Known, int]
+"""What may be a move: what turned up, and where in `Kind.lasts` what left is."""
+Came = Callable[[Known], float]
+"""Log-odds that what turned up was brought while the robot was about."""
+
+
+@dataclass(frozen=True, slots=True)
+class Link:
+    """`new` is `old`, moved; score: how likely that is, 0..1."""
+
+    old: Known
+    new: Known
+    score: float
+
+
+@dataclass(frozen=True, slots=True)
+class Kind:
+    """A category while its moves are looked for.
+
+    lasts: its confirmed things by number, with the place that each was seen at last; fresh: those
+    that turned up. looks: by number of a fresh one, the log-odds of its look against those of
+    `lasts`. brought: log-odds that a certain one of `lasts` came. arrivals: what is known of them,
+    by number, as it is asked for.
+    """
+
+    lasts: list[Last]
+    fresh: list[Known]
+    looks: dict[int, list[float]]
+    brought: float
+    arrivals: dict[int, float] = field(default_factory=dict)
+
+
+class Moves:
+    """Finds the moves that are plain, and learns how alike different things look."""
+
+    def __init__(
+        self,
+        memory: Memory,
+        space: LookSpace,
+        looks: LookModel,
+        absence: Absence,
+        parameters: Parameters,
+    ) -> None:
+        self._memory = memory
+        self._absence = absence
+        self._space = space
+        self._looks = looks
+        self._parameters = parameters
+        self.others: dict[str, list[float]] = {}
+        """By category (BINS,): how often two different things of it were so much alike."""
+        self.compared: set[int] = set()
+        """Numbers of the things that `others` has learned from."""
+        self._dense: dict[str, Floats] = {}
+        """What `_densities` has told by category, until more is learned."""
+
+    def find(self, changed: set[int]) -> list[Link]:
+        """Return the moves that are likelier than all else that either thing may be, together.
+
+        changed: numbers of the things that were seen, or missed, since the last call; a move has
+        one of them at either end. By the numbers of the new and the old.
+        """
+        kinds = {name: self._lasts(name) for name in self._kinds(changed)}
+        for lasts, fresh in kinds.values():
+            self._compare([new for new in fresh if new.number not in self.compared], lasts)
+        links: list[Link] = []
+        for name, (lasts, fresh) in kinds.items():
+            pairs = [
+                (new, k)
+                for k, (old, place) in enumerate(lasts)
+                if place.misses > 0
+                for new in fresh
+                if place.last_ms < new.first_ms
+                and new is not old
+                and (new.number in changed or (old.number in changed and place.evidence < TOLD))
+            ]
+            if pairs:
+                # Any other of the category may have come, or one that is not known.
+                brought = self._parameters.move_odds - math.log(len(lasts) - 1)
+                kind = Kind(lasts, fresh, self._looks_of(fresh, lasts, name), brought)
+                links += [link for pair in pairs if (link := self._link(kind, *pair)) is not None]
+        return sorted(links, key=lambda link: (link.new.number, link.old.number))
+
+    def _kinds(self, changed: set[int]) -> list[str]:
+        """Return the categories of the confirmed ones of the changed things."""
+        least = self._parameters.confirm_sightings
+        known = (self._memory.things.get(number) for number in changed)
+        return sorted({t.category for t in known if t is not None and t.seen >= least})
+
+    def _lasts(self, kind: str) -> tuple[list[Last], list[Known]]:
+        """Return the confirmed things of a category, and those of them that turned up."""
+        least = self._parameters.confirm_sightings
+        lasts = [(t, t.latest) for t in self._memory.of_kind(kind) if t.seen >= least]
+        return lasts, [t for t, place in lasts if _is_unexplained(t, place)]
+
+    def _link(self, kind: Kind, new: Known, k: int) -> Link | None:
+        """Return the move to a fresh thing from the last place of `lasts[k]`, if it is plain.
+
+        Against all that either end may be instead. What may be known of arrivals is dear, and
+        nearly no move is plain at its best, so the best that it can be is asked for first.
+        """
+        old, place = kind.lasts[k]
+        least, look = self._parameters.move_probability, kind.looks[new.number][k]
+        if self._odds(kind, new, k, _surely_brought) * (1.0 - least) < least:
+            return None
+        left = place.evidence >= LEFT_LEAST and old.seen >= SURE_SEEN
+        if not left and look < PLAIN_LOOK:
+            return None
+        # what nobody looked for may have left too
+        rivals = [
+            (new, j) for j, (other, at) in enumerate(kind.lasts)
+            if at.last_ms < new.first_ms and j != k and other is not new
+        ] + [
+            (each, k) for each in kind.fresh
+            if place.last_ms < each.first_ms and each is not old and each is not new
+        ]  # fmt: skip
+        if self._chance(kind, (new, k), rivals, _surely_brought, _never_brought) < least:
+            return None
+
+        def came(thing: Known) -> float:
+            if thing.number not in kind.arrivals:
+                kind.arrivals[thing.number] = self._absence.came(thing.places[0])
+            return kind.arrivals[thing.number]
+
+        chance = self._chance(kind, (new, k), rivals, came, came)
+        return Link(old, new, chance) if chance >= least else None
+
+    def _chance(
+        self, kind: Kind, pair: Pair, rivals: list[Pair], came: Came, others_came: Came
+    ) -> float:
+        """Return how likely a pair is a move, and no rival is."""
+        own = self._odds(kind, *pair, came)
+        return own / (1.0 + own + sum(self._odds(kind, *each, others_came) for each in rivals))
+
+    def _odds(self, kind: Kind, new: Known, k: int, came: Came) -> float:
+        """Return the odds that a fresh thing is that of `lasts[k]`, moved; it rises with `came`."""
+        look = kind.looks[new.number][k]
+        if look < LOOK_LEAST:
+            return 0.0
+        odds, prior = look + min(kind.lasts[k][1].evidence, GONE_MOST), kind.brought
+        if odds + prior > -CAME_MOST:  # else it is neither a link, nor much of a rival to one
+            prior += came(new)
+        if look >= PLAIN_LOOK:
+            prior = max(prior, self._parameters.alike_odds)
+        return math.exp(min(odds + prior, 50.0))
+
+    def _looks_of(self, fresh: list[Known], lasts: list[Last], kind: str) -> dict[int, list[float]]:
+        """Return the log-odds of the looks of things, by number of a fresh one and in their order.
+
+        Minus infinity where one is unknown.
+        """
+        things = [thing for thing, _ in lasts]
+        if self._memory.looks.length == 0:
+            return {new.number: [-math.inf] * len(things) for new in fresh}
+        units = self._memory.looks.units(things, self._space)
+        known = np.array([thing.look_weight > 0 for thing in things])
+        row = {thing.number: k for k, thing in enumerate(things)}
+        at = np.array([row[new.number] for new in fresh])
+        likeness = cosines(units[at], units, np.arange(len(things)))
+        # Means vary less than the views that are compared with them.
+        usual = math.sqrt(max(self._looks.mean(SAME), 0.0))
+        told = np.log(_same(likeness - usual) / self._densities(kind)[_bins(likeness)])
+        told[~(known[at][:, None] & known)] = -math.inf
+        return dict(zip((new.number for new in fresh), told.tolist(), strict=True))
+
+    def _likeness(self, one: Known, others: list[Known]) -> Floats:
+        """Return the cosines of a thing with those of some others whose looks are known."""
+        known = [other for other in others if other.look_weight > 0]
+        if one.look_weight == 0 or not known:
+            return np.empty(0)
+        looks = self._memory.looks
+        return np.asarray(looks.units(known, self._space) @ looks.unit(one, self._space))
+
+    def _compare(self, fresh: list[Known], lasts: list[Last]) -> None:
+        """Learn from those that were seen elsewhere since: they are other things."""
+        for new in fresh:
+            self.compared.add(new.number)
+            others = [o for o, _ in lasts if o.last_ms >= new.first_ms and o is not new]
+            if others:
+                self._dense.clear()
+                counts = self.others.setdefault(new.category, [0.0] * BINS)
+                for k in _bins(self._likeness(new, others)).tolist():
+                    counts[k] += 1.0
+
+    def _densities(self, kind: str) -> Floats:
+        """Return how dense different things of a category lie at likenesses (BINS,).
+
+        From there up, smoothed. Chairs of a set look alike, and say little of the cups: what is
+        usual is told by all categories, each by `OTHER_PRIOR` pairs at most, and is worth as many
+        against the category's own.
+        """
+        if (known := self._dense.get(kind)) is not None:
+            return known
+        usual = _assumed()
+        for category in sorted(self.others):
+            counts = np.array(self.others[category])
+            usual += counts * min(1.0, OTHER_PRIOR / max(float(counts.sum()), 1.0))
+        pairs = usual * (OTHER_PRIOR / usual.sum()) + np.array(self.others.get(kind, 0.0))
+        above = pairs[::-1].cumsum()[::-1]
+        first = np.maximum(np.arange(BINS) - 1, 0)
+        density = np.asarray(above[first] / above[0] / ((BINS - first) * 2 / BINS))
+        self._dense[kind] = density
+        return density
+
+
+def _assumed() -> Floats:
+    middle = (np.arange(BINS) + 0.5) * 2 / BINS - 1
+    bell = np.exp(-(((middle - OTHER_MEAN) / OTHER_SIGMA) ** 2) / 2)
+    return np.asarray(OTHER_PRIOR * bell / bell.sum())
+
+
+def _surely_brought(_: Known) -> float:
+    return CAME_MOST
+
+
+def _never_brought(_: Known) -> float:
+    return 0.0
+
+
+def _same(above: Floats) -> Floats:
+    """Return how dense the looks of a thing at two places lie so much above what is usual."""
+    alike = _bell(np.minimum(above, 0.0), SAME_SIGMA)
+    light = _bell(above + LIGHT_LESS, LIGHT_SIGMA)
+    follow = (1 - LIGHT_SHARE) * alike + LIGHT_SHARE * light
+    return np.asarray((1 - SAME_OUTLIERS) * follow + SAME_OUTLIERS / 2)
+
+
+def _bell(away: Floats, sigma: float) -> Floats:
+    return np.asarray(np.exp(-((away / sigma) ** 2) / 2) / (sigma * math.sqrt(2 * math.pi)))
+
+
+def _bins(likeness: Floats) -> NDArray[np.intp]:
+    """Return the bins of likenesses, alike shaped."""
+    return np.asarray(((likeness + 1.0) / 2.0 * BINS).astype(np.intp).clip(0, BINS - 1))
+
+
+def _is_unexplained(thing: Known, place: Place) -> bool:
+    """Say whether it turned up at one place and is not known from another."""
+    return len(thing.places) == 1 and place.moved_from is None and not thing.names
+
+
+def apply_link(link: Link, memory: Memory, ledger: Ledger, parameters: Parameters) -> Became:
+    """Make `new` a further place of `old`, in the memory and in what is written already."""
+    old, new = link.old, link.new
+    left = old.latest
+    place = new.places[0]
+    _leave(left, new.first_ms)
+    was: StayKey = (new.object_id, place.number)
+    place.number = max(each.number for each in old.places) + 1
+    place.moved_from = (left.number, link.score)
+    becomes: StayKey = (old.object_id, place.number)
+    sightings = ledger.sightings([new.object_id])
+    encounters = ledger.encounters(new.object_id)
+    _merge(old, new, memory, parameters)
+    ledger.remove_objects({new.object_id})
+    for sighting in sightings:
+        ledger.put_sighting(replace(sighting, object_id=becomes[0], place=becomes[1]))
+    for encounter in encounters:
+        if (renamed := encounter.renamed({was: becomes})) is not None:
+            ledger.put_encounter(renamed)
+    return Became(entry_name(was), entry_name(becomes), "moved")
+
+
+def _leave(left: Place, elsewhere_ms: int) -> None:
+    """Note that a place was left: its thing is elsewhere, and the place was looked at in vain.
+
+    The looks alone need not be enough for that, where a thing is hard to see.
+    """
+    if left.last_absent_ms is None:
+        left.last_absent_ms = max([elsewhere_ms, *(looked_ms for _, looked_ms in left.missed_from)])
+
+
+def _merge(old: Known, new: Known, memory: Memory, parameters: Parameters) -> None:
+    place = new.places.pop()
+    for category, weight in new.votes.items():
+        old.vote(category, weight)
+    memory.touch(old)
+    old.weight += new.weight
+    old.seen += new.seen
+    old.last_ms = max(old.last_ms, new.last_ms)
+    old.dirty = True
+    look = memory.looks.of(new)
+    if look is not None:
+        memory.looks.blend(old, look, new.look_weight, parameters.looks_remembered)
+    old.met |= new.met
+    old.places.append(place)
+    if place.row >= 0:
+        memory.positions.give(place, old)
+    memory.remove(new)

@@ -1,0 +1,63 @@
+"""Default profile: the viewpoints from which a place was seen, or looked at in vain.
+
+What hides a thing from one viewpoint does so for a while: looks from there in a short time are
+mostly one and the same look. And a viewpoint that shows a thing tells most when it does not.
+"""
+
+from __future__ import annotations
+
+import math
+
+from d3a.model import Position
+from d3a.tracking.known import Place
+
+AGAIN_M, AGAIN_MS, AGAIN_SHARE = 0.8, 300_000, 0.3
+"""A look from within so much of another, and so soon after it, is mostly the same look: what hid
+the thing from the detector does so still. Its share of a look of its own."""
+FAMILIAR_SHARE, FAMILIAR_M = 0.25, 0.5
+"""A viewpoint is one known to show a thing if it is this near to one that did: a share of the
+distance to the thing, or metres if that is more."""
+CHANCE_PRIOR = 2.0
+"""Looks that the usual chance of finding a thing again is worth against the thing's own."""
+CHANCE_MOST = 0.95
+LOOK_RANGE_M = 10.0
+"""What is farther away is not looked at: across a hall things are seen, and missed, as in a room;
+from where a thing was never seen it is not missed anyway."""
+SIDES_KEPT = 12
+"""Viewpoints remembered for a place, the latest."""
+Look = tuple[Position, int]
+"""Where the camera was in a look, and when it ended."""
+
+
+def remember_side(place: Place, eye: Position) -> None:
+    """Keep the viewpoint, if it is another than those known; the oldest goes."""
+    # the latest first: a robot mostly is where it just was
+    if not any(math.dist(eye, side) < FAMILIAR_M for side in reversed(place.seen_from)):
+        place.seen_from = [*place.seen_from[1 - SIDES_KEPT :], eye]
+
+
+def is_familiar(place: Place, eye: Position, away_m: float) -> bool:
+    """Say whether a viewpoint so far away from a place is near one that has shown it."""
+    near_m = max(FAMILIAR_M, FAMILIAR_SHARE * away_m)
+    return any(math.dist(eye, side) <= near_m for side in reversed(place.seen_from))
+
+
+def share_of_look(latest: list[Look], eye: Position, time_ms: int) -> tuple[float, list[Look]]:
+    """Return how much a look tells that others from there have not told already.
+
+    Also the looks that the next one is to be compared with.
+    """
+    recent = [each for each in latest if time_ms - each[1] < AGAIN_MS]
+    again = any(math.dist(eye, side) < AGAIN_M for side, _ in recent)
+    return (AGAIN_SHARE, recent) if again else (1.0, [*recent, (eye, time_ms)])
+
+
+def chance(place: Place, usual: float, vain: float = 0.0) -> float:
+    """Return how likely a look finds a thing that is there, after so many more looks in vain.
+
+    usual: of all things; it is worth `CHANCE_PRIOR` looks against the thing's own.
+    """
+    # Without the look that made it known: had that missed too, nobody would ask.
+    hits, chances = max(0.0, place.hits - 1.0), max(0.0, place.chances - 1.0)
+    own = (hits + CHANCE_PRIOR * usual) / (chances + vain + CHANCE_PRIOR)
+    return min(own, CHANCE_MOST)
