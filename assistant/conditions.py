@@ -54,10 +54,12 @@ def _related_words(answer: Answer, query: FormalQuery) -> str:
     if any(condition.endswith(plain) for condition in answer.unjudged):
         return ""
     kind = _RELATIONS.get(query.relation.kind, query.relation.kind)
-    told = [_ground(answer, query, term) + _where_it_was(answer, query, term) for term in grounds]
     kind = _denied_kind(kind) if is_denied(query) else kind
-    described_by = _where_it_was(answer, query, term_of(query))
-    return f" {kind} {listed(told)}{described_by}"
+    # where all of them were is said once, after the last
+    own = ["" if term.where == grounds[-1].where else _where_it_was(answer, query, term)
+           for term in query.objects]  # fmt: skip
+    told = [_ground(answer, query, t) + o for t, o in zip(grounds, own[1:], strict=True)]
+    return f" {kind} {listed(told)}{_where_it_was(answer, query, grounds[-1])}{own[0]}"
 
 
 def _ground(answer: Answer, query: FormalQuery, term: ObjectTerm) -> str:

@@ -70,8 +70,8 @@ def _reads_as(said: str, query: FormalQuery, again: Callable[[str], FormalQuery]
 
 
 def _parts(text: str, words: Sequence[Word], tags: Sequence[Tag]) -> list[tuple[int, int]]:
-    """Return where in the text each of the things stands that `or` joins."""
-    at = [i for i, tag in enumerate(tags) if tag.type in _JOINTS]
+    """Return where in the text each of the things stands that `or` joins, or else `and`."""
+    at = [i for i, tag in enumerate(tags) if tag.type in _JOINTS] or _first_ands(tags)
     if not at:
         return []
     first, last = _start(tags, at[0]), _end(tags, at[-1])
@@ -81,6 +81,17 @@ def _parts(text: str, words: Sequence[Word], tags: Sequence[Tag]) -> list[tuple[
     return [
         (a, a + len(text[a:b].rstrip(" ,"))) for a, b in zip(starts, ends, strict=True) if a < b
     ]
+
+
+def _first_ands(tags: Sequence[Tag]) -> list[int]:
+    """Return where the first things that `and` joins are joined: the cup and the bowl on it."""
+    at: list[int] = []
+    for i, tag in enumerate(tags):
+        if tag.type == "AND":
+            at.append(i)
+        elif at and tag.type not in _NOUN_PHRASE:
+            break
+    return at
 
 
 def _start(tags: Sequence[Tag], joint: int) -> int:

@@ -21,6 +21,9 @@ from grammar.forms import (
 THING = ObjectTerm(ANYTHING, "thing")
 _PLACED: tuple[Ask, ...] = ("where", "when", "how_long", "how_often", "moved", "missing")
 _CHANGES: tuple[Ask, ...] = ("moved", "missing")
+_AT_ONCE: tuple[Ask, ...] = ("whether", "when", "how_long", "how_often")
+_MUTUAL: tuple[RelationKind, ...] = ("together", "same_place")
+_HOLDING: tuple[RelationKind, ...] = ("on", "in", "under")
 
 
 @dataclass(frozen=True, slots=True)
@@ -129,7 +132,31 @@ def readings(meaning: Meaning) -> tuple[Meaning, ...]:
         if options:
             rests = [(*things.items[:i], option, *things.items[i + 1 :]) for option in options]
             return tuple(replace(meaning, things=replace(things, items=r)) for r in rests)
-    return (meaning,)
+    return _each_there(meaning)
+
+
+def _each_there(meaning: Meaning) -> tuple[Meaning, ...]:
+    """Return the meanings of two things on one: both there at once, or each asked for alone.
+
+    The contract has no relation of two figures to one ground: both are described by it.
+    """
+    things = meaning.things
+    related = [item for item in things.items if isinstance(item, Related)]
+    terms = things.group.terms if things.group else ()
+    if len(terms) < 2 or not related or related[0].kind in _MUTUAL:
+        return (meaning,)
+    if isinstance(things.items[0], SideBySide):  # together on the table
+        return (meaning,)
+    on = related[0]
+    plain = not any(term.where for term in terms) and len(related) == len(on.group.terms) == 1
+    if not plain or meaning.ask not in _AT_ONCE or on.kind not in _HOLDING:
+        groups = [Group((term,)) for term in terms]
+        return tuple(replace(meaning, things=replace(things, group=g)) for g in groups)
+    where = Where(on.kind, on.group.terms[0], on.negated)
+    both = Group(tuple(replace(term, where=where) for term in terms))
+    rest = tuple(item for item in things.items if item is not on)
+    placed = Things(both, (SideBySide("together"), *rest))
+    return (replace(meaning, things=placed),)
 
 
 def query(

@@ -33,6 +33,24 @@ NOW = datetime.fromisoformat("2020-01-01T18:00:00-05:00")
             ),
         ),
         (
+            "How many cups and bowls are on the counter?",
+            ("How many cups are on the counter?", "How many bowls are on the counter?"),
+        ),
+        (
+            "did the cup and the bowl on the table next to the sofa move yesterday",
+            (
+                "did the cup on the table next to the sofa move yesterday",
+                "did the bowl on the table next to the sofa move yesterday",
+            ),
+        ),
+        (
+            "Were the cup and the bowl between the lamp and the vase?",
+            (
+                "Were the cup between the lamp and the vase?",
+                "Were the bowl between the lamp and the vase?",
+            ),
+        ),
+        (
             "what is on the table and on the chair?",
             ("what is on the table?", "what is on the chair?"),
         ),

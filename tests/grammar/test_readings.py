@@ -284,6 +284,24 @@ def test_what_lies_on_one_and_on_another_is_asked_one_at_a_time(
 @pytest.mark.parametrize(
     "text",
     [
+        "did you see a cup and a bowl on the coffee table",
+        "when were the cup and the bowl on the coffee table",
+        "were the cup and the bowl on the coffee table together",
+        "were the cup and the bowl on the coffee table at the same time",
+    ],
+)
+def test_two_things_on_one_are_together_and_each_is_on_it(text: str) -> None:
+    query = read(text)
+    assert query.relation == Relation("together")
+    assert [(t.word, t.where and (t.where.kind, t.where.object.word)) for t in query.objects] == [
+        ("cup", ("on", "coffee table")),
+        ("bowl", ("on", "coffee table")),
+    ]
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
         "is the cup on the table and the bowl on the chair",
         "are the cup and the bowl on the table and near the lamp",
         "where is the cup on the table between the sofa and the window",
