@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+from dataclasses import fields
 from datetime import datetime
 
 from assistant.asking import ask_query, read_question
@@ -13,21 +15,29 @@ from d3a.plan import Precision
 from d3a.store.base import Region, Store
 from grammar import parse
 from grammar.errors import QuestionError
+from grammar.forms import ANYTHING, FormalQuery, ObjectTerm
+from grammar.vocabulary.words import singular
 
 MOST = 10_000
 _RUNGS: tuple[Precision, ...] = ("perfect", "attribute")
 """A taught name, else the very category and look: what is only like it is not meant."""
+
+_SILENT = frozenset(("the", "a", "an", "all", "every", "each", "any", "of", "my", "your", "s"))
+"""Words that say nothing of which things are meant, or only whose, which is a field of the term."""
+_WORD = re.compile(r"[^\W_]+")
 
 
 class NothingMeant(BadInput):
     """Words, or a place, that name nothing in the store; the message says what there is."""
 
 
-def things_meant(store: Store, words: str, *, now: datetime) -> frozenset[str]:
+def things_meant(store: Store, words: str, *, now: datetime, elsewhere: str = "") -> frozenset[str]:
     """Return the ids of the objects that are meant: an id itself, a taught name, or a description.
 
-    "o12", "keys", "my keys", "the red cup in the kitchen". Raises NothingMeant where nothing is,
-    StoreError where the store fails.
+    "o12", "keys", "my keys", "the red cup". What is done to them may have no undo, so all of a
+    description has to be used: where or when a thing was, how many, or what it is not is refused.
+    elsewhere: what says that instead. Raises NothingMeant where nothing is meant, BadInput for
+    a description that says more than can be used, StoreError where the store fails.
     """
     if store.objects(ids=[words], embeddings=False):
         return frozenset([words])
@@ -37,16 +47,95 @@ def things_meant(store: Store, words: str, *, now: datetime) -> frozenset[str]:
         raise NothingMeant(
             f"{words!r} is no id and no description of a thing; o12 or “the red cup” would do"
         ) from error
+    if found := unused(query, words):
+        raise BadInput(_refusal(words, f"found {found}", elsewhere))
     for rung in _RUNGS:
         answer = ask_query(store, query, now=now, limit=MOST, precision=rung)
         if answer.status == "error":
             raise BadInput(answer.message or answer.answer)
         if answer.status == "found":
-            return frozenset(keyframe.object_id for keyframe in answer.keyframes)
+            ids = frozenset(keyframe.object_id for keyframe in answer.keyframes)
+            _check_owned(store, words, query.objects[0].owner, ids, named=rung == "perfect")
+            if answer.unjudged:
+                found = " and ".join(f"“{said}”" for said in answer.unjudged)
+                raise BadInput(_refusal(words, f"this store cannot tell what is {found}"))
+            return ids
     known = [category for category, _ in store.categories()]
     near = answer.suggestions or VocabularyLexicon().nearest(words, known)
     hint = f"; the nearest that are: {', '.join(near)}" if near else ""
     raise NothingMeant(f"nothing in the store is {words!r}{hint}")
+
+
+def _refusal(words: str, why: str, elsewhere: str = "") -> str:
+    more = f"; {elsewhere}" if elsewhere else ""
+    return (
+        f"{words!r} is not certain: a thing is meant here by its noun, look, owner or taught name "
+        f"alone, and {why}{more}; or give ids from `d3a objects`"
+    )
+
+
+def unused(query: FormalQuery, words: str) -> str:
+    """Return what a description says beyond a noun, looks and an owner; "" where nothing.
+
+    A field of the query that is added later is refused until it stands here. What the grammar
+    passes over ("the first cup" is any cup) has no field, so each word is accounted for too.
+    """
+    if not query.objects:
+        return "no thing"
+    term = query.objects[0]
+    if term.category == ANYTHING and term.word != "everything" and not term.attributes:
+        return f"“{term.word}”, which is everything"
+    plain_term = ObjectTerm(
+        category=term.category, word=term.word, attributes=term.attributes, owner=term.owner
+    )
+    plain = FormalQuery(text=query.text, form="Q1", ask="whether", objects=(plain_term,))
+    over = [f"“{each.said}”, read as “{each.taken}”" for each in query.corrections]
+    if left := _words_left(plain_term, words):
+        over.append(f"“{left}”")
+    if not over and query != plain:
+        over = [name for name in _differing(query, plain) if name != "objects"]
+        over += _differing(term, plain_term) or ["more than one thing"] * (len(query.objects) > 1)
+    return ", ".join(over)
+
+
+def _words_left(term: ObjectTerm, words: str) -> str:
+    """Return the words of a description that are in no part of its term, as they were said."""
+    said = " ".join((term.category, term.word, *term.attributes, term.owner or "")).lower()
+    used = set(_WORD.findall(said))
+    spans: list[tuple[int, int]] = []
+    goes_on = False
+    for each in _WORD.finditer(words):
+        word = each[0].lower()
+        if word in _SILENT:
+            continue
+        if word in used or singular(word) in used:
+            goes_on = False
+            continue
+        start = spans.pop()[0] if goes_on else each.start()
+        spans.append((start, each.end()))
+        goes_on = True
+    return "” and “".join(words[start:end] for start, end in spans)
+
+
+def _differing(one: FormalQuery | ObjectTerm, plain: FormalQuery | ObjectTerm) -> list[str]:
+    compared = [field.name for field in fields(one) if field.compare]
+    return [name for name in compared if getattr(one, name) != getattr(plain, name)]
+
+
+def _check_owned(
+    store: Store, words: str, owner: str | None, ids: frozenset[str], *, named: bool
+) -> None:
+    """Refuse an owner that nobody taught of all these things.
+
+    named: the noun itself was taught of them; the person who taught it may call them theirs.
+    """
+    if owner is None or (named and owner in ("me", "you")):
+        return
+    for record in store.objects(ids=sorted(ids), embeddings=False):
+        if all(name.owner != owner for name in record.names):
+            raise BadInput(
+                _refusal(words, "nobody taught which thing is so owned (d3a teach does)")
+            )
 
 
 def place_meant(store: Store, name: str) -> Region:

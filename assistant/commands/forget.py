@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
 SCHEMA = 1
 _SHOWN = 40
+_ELSEWHERE = "where and when it was is said by --place, --before, --after and --between"
 
 
 @click.command("forget")
@@ -128,7 +129,9 @@ def _selection(
     )
     try:
         return Selection(
-            object_ids=selecting.things_meant(store, text, now=now) if text else None,
+            object_ids=selecting.things_meant(store, text, now=now, elsewhere=_ELSEWHERE)
+            if text
+            else None,
             categories=people_of(store, VocabularyLexicon()) if people else None,
             region=selecting.place_meant(store, place) if place else None,
             time=slice_,

@@ -1,0 +1,137 @@
+"""What a description on the command line may say of things that are forgotten or exported."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import closing
+from dataclasses import replace
+from datetime import timedelta
+from pathlib import Path
+from typing import Any
+
+import pytest
+from click.testing import CliRunner, Result
+
+from assistant.cli import main
+from assistant.selecting import unused
+from d3a.store import open_store
+from grammar import parse
+from grammar.forms import Correction, FormalQuery, ObjectTerm, Relation, TimeSlice, Where
+from tests.worlds import small_home
+
+Run = Callable[..., Result]
+HOME = ("--store", "home.db", "--now", small_home.NOW.isoformat())
+TOO_MUCH = [
+    ("the keys today", "“today”"),
+    ("the cup on the desk", "“on the desk”"),
+    ("the keys on the kitchen table", "“on the kitchen table”"),
+    ("the keys in the bathroom", "“in the bathroom”"),
+    ("the keys in the kitchen", "“in the kitchen”"),
+    ("the cup outside the kitchen", "“outside the kitchen”"),
+    ("two cups", "“two”"),
+    ("at most two cups", "“at most two”"),
+    ("the first cup", "“first”"),
+    ("the last cup", "“last”"),
+    ("the other cup", "“other”"),
+    ("two cups on the couch", "“two” and “on the couch”"),
+    ("the cup that was next to the bowl yesterday", "“that was next to the bowl yesterday”"),
+    ("the cup and the bowl", "“and the bowl”"),
+    ("the cup that is not red", "“that is not red”"),
+    ("the cup that is not Anna's", "“that is not Anna”"),
+    ("no cup", "“no”"),
+    ("the thing", "“thing”, which is everything"),
+    ("Anna's cup", "nobody taught which thing is so owned"),
+    ("my cup", "nobody taught which thing is so owned"),
+    ("the wooden cup", "this store cannot tell what is “wooden”"),
+]
+
+
+@pytest.fixture
+def run(own_settings: Path) -> Run:
+    """Run `d3a` in a folder with the small home as `home.db`, with settings of its own."""
+    with closing(open_store("home.db")) as store:
+        small_home.fill(store)
+    return lambda *args, **options: CliRunner().invoke(main, list(args), **options)
+
+
+def ids() -> set[str]:
+    with closing(open_store("home.db")) as store:
+        return {record.object_id for record in store.objects()}
+
+
+@pytest.mark.parametrize(("words", "found"), TOO_MUCH)
+def test_what_cannot_be_used_is_refused_and_nothing_goes(run: Run, words: str, found: str) -> None:
+    before = ids()
+    for how in ("--yes", "--dry-run"):
+        result = run("forget", *words.split(), *HOME, how)
+        assert (result.exit_code, result.stdout) == (2, ""), result.output
+        assert found in result.stderr
+        assert "`d3a objects`" in result.stderr
+    assert ids() == before
+    result = run("export", "out.csv", "--format", "csv", "--what", words, *HOME)
+    assert (result.exit_code, found in result.stderr) == (2, True), result.output
+    assert not Path("out.csv").exists()
+
+
+def test_a_refusal_says_which_options_say_where_and_when(run: Run) -> None:
+    said = run("forget", "the keys today", *HOME, "--yes").stderr
+    assert "--place, --before, --after and --between" in said
+
+
+@pytest.mark.parametrize("words", ["cup", "the cups", "all cups", "every cup", "mug", "cup-1"])
+def test_plain_things_go(run: Run, words: str) -> None:
+    before = ids()
+    result = run("forget", *words.split(), *HOME, "--yes")
+    assert result.exit_code == 0, result.output
+    assert before - ids() == {"cup-1"}
+
+
+@pytest.mark.parametrize(
+    ("taught", "words", "gone"),
+    [
+        ("Anna's cup", "Anna's cup", True),
+        ("Anna's cup", "the cup of Anna", True),
+        ("Anna's cup", "Bob's cup", False),
+        ("Anna's cup", "my cup", False),
+        ("my cup", "my cup", True),
+        ("my cup", "Anna's cup", False),
+        ("Excalibur", "Excalibur", True),
+        ("cup", "my cup", True),
+        ("cup", "Anna's cup", False),
+    ],
+)
+def test_an_owner_counts_where_it_was_taught(run: Run, taught: str, words: str, gone: bool) -> None:
+    assert run("teach", "cup-1", taught, *HOME).exit_code == 0
+    result = run("forget", words, *HOME, "--yes")
+    assert (result.exit_code == 0, "cup-1" not in ids()) == (gone, gone), result.output
+
+
+OTHER = ObjectTerm("desk")
+
+
+@pytest.mark.parametrize(
+    "more",
+    [
+        {"place": "kitchen"},
+        {"place": "kitchen", "outside": True},
+        {"time": TimeSlice(small_home.NOW - timedelta(days=1), small_home.NOW)},
+        {"select": "first"},
+        {"negated": True},
+        {"relation": Relation("on")},
+        {"objects": (ObjectTerm("cup"), OTHER)},
+        {"objects": ()},
+        {"objects": (ObjectTerm("cup", quantity=2),)},
+        {"objects": (ObjectTerm("cup", quantity=2, bound="exactly"),)},
+        {"objects": (ObjectTerm("cup", without=("red",)),)},
+        {"objects": (ObjectTerm("cup", not_owner="anna"),)},
+        {"objects": (ObjectTerm("cup", where=Where("on", OTHER)),)},
+        {"corrections": (Correction("cop", "cup", 0),)},
+        {"ask": "count"},
+        {"form": "Q3"},
+    ],
+    ids=str,
+)
+def test_every_other_field_of_a_query_is_refused(more: dict[str, Any]) -> None:
+    query: FormalQuery = parse("Did you ever see the cup?", now=small_home.NOW)
+    assert unused(query, "the cup") == ""
+    assert unused(replace(query, **more), "the cup")
