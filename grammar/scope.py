@@ -338,11 +338,30 @@ def unread(
         look = words[1]
         reason = f"I do not tell the {look.text} of a thing, but I look for one that you name"
         return OutOfScope(text, look.start, f"{reason}: the red cup, the small box.", hints)
+    if stopped is not None and (beyond := _beyond(words, stopped)):
+        return OutOfScope(text, position, f"{beyond}.", hints)
     if words and (asks(words) or words[0].text in _lists()["command"]):
         if _garbled(words) and not any(t.type == "WHO" for t in tagged.tags):
             return NotUnderstood(text, position, f"I could not follow at “{said}”.", hints)
         return OutOfScope(text, position, f"{_REASON}; I could not follow at “{said}”.", hints)
     return NotUnderstood(text, position, f"I could not follow at “{said}”.", hints)
+
+
+def _beyond(words: list[Word], stopped: Word) -> str:
+    """Return why no sighting tells what a word asks: always, only, in the same room; "" else."""
+    if stopped.text in _BEYOND:
+        return _BEYOND[stopped.text]
+    here = next(i for i, w in enumerate(words) if w.start == stopped.start)
+    if [w.text for w in words[here : here + 4]] == ["in", "the", "same", "room"]:
+        return "I do not compare the rooms of two things; ask for each where it was"
+    return ""
+
+
+_BEYOND = {
+    "always": "I know when things were seen, not that something was so all the time",
+    "only": "I know what was seen, not that there was nothing else or nowhere else",
+}  # fmt: skip
+"""Words that ask what no sighting tells, and why none does."""
 
 
 def _garbled(words: list[Word]) -> bool:

@@ -20,6 +20,7 @@ from grammar.tidying import tidied
 from grammar.vocabulary import Lexicon
 from grammar.words import Word
 
+_LIMITING = frozenset(("always", "only"))
 _INTENSIFIERS = frozenset(("right", "directly", "immediately", "straight"))
 _AREAS = ("room", "area", "house", "place", "location", "spot")
 _ABOUT = ("around", "somewhere", "anywhere", "someplace")
@@ -100,6 +101,9 @@ class Tagger(OpenTagger):
         if terminal.startswith("REL "):
             return self._relation(terminal[4:], said, size)
         match terminal:
+            case "same_room":
+                self._emit("UNKNOWN", said, size)
+                return True
             case "_EXCEPT" if said == "but not" and self._relation_at(self.i + size):
                 self._emit("AND", said, 1)  # on the table but not near the lamp
                 return True
@@ -265,8 +269,22 @@ class Tagger(OpenTagger):
         event = said == "before" and self._text(self.i + size) in (*PRONOUNS, "i", "we", "you")
         if said in ("that", "which") or event:
             return False
-        self.i += size
+        if self._limits(said):
+            self._emit("UNKNOWN", said, size)
+        else:
+            self.i += size
         return True
+
+    def _limits(self, said: str) -> bool:
+        """Whether it is asked of all the time, or of one thing alone: no sighting tells that.
+
+        Where it always is may be told by where it is, and `only two cups` are exactly two.
+        """
+        if said not in _LIMITING or not self.out.tags or self._first() == "_WHERE":
+            return False
+        after = (w.text for w in self.words[self.i + 1 :])
+        counted = said == "only" and not numbers.CARDINALS.keys().isdisjoint(after)
+        return not counted and self._last() not in ("DET", "OWNER")
 
     def _float(self, terminal: str, said: str, size: int) -> bool:
         before_noun = self._last() in ("DET", "OWNER") and self._open_at(self.i + size)

@@ -7,7 +7,15 @@ from datetime import datetime
 
 import pytest
 
-from grammar import Ambiguous, FormalQuery, NotUnderstood, QuestionError, Relation, parse
+from grammar import (
+    Ambiguous,
+    FormalQuery,
+    NotUnderstood,
+    OutOfScope,
+    QuestionError,
+    Relation,
+    parse,
+)
 
 NOW = datetime.fromisoformat("2026-05-14T20:30:00+01:00")
 
@@ -279,6 +287,40 @@ def test_what_lies_on_one_and_on_another_is_asked_one_at_a_time(
     with pytest.raises(Ambiguous) as caught:
         read(text)
     assert caught.value.suggestions == offered
+
+
+@pytest.mark.parametrize(
+    ("text", "word"),
+    [
+        ("Was the wallet always in the hall?", "always"),
+        ("what is always on the table", "always"),
+        ("Was the cup only in the kitchen?", "only"),
+        ("Were there only cups on the table?", "only"),
+        ("did you only see the cup in the kitchen", "only"),
+        ("were the keys in the hall only", "only"),
+        ("Were the cup and the bowl in the same room?", "in the same room"),
+        ("what was in the same room as the cup", "in the same room"),
+    ],
+)
+def test_what_no_sighting_tells_is_refused_at_its_word(text: str, word: str) -> None:
+    with pytest.raises(OutOfScope) as caught:
+        read(text)
+    assert text[caught.value.position :].startswith(word)
+    assert "I could not follow" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "where are my keys always",
+        "where is the cup that i always use",
+        "is the only cup in the kitchen",
+        "i only want to know if the cup is in the kitchen",
+    ],
+)
+def test_always_and_only_that_limit_no_sighting_say_nothing(text: str) -> None:
+    plain = text.replace(" that i always use", "").replace(" always", "").replace("only ", "")
+    assert replace(read(text), text="") == replace(read(plain), text="")
 
 
 @pytest.mark.parametrize(

@@ -129,7 +129,7 @@ def test_phrases_are_terminals_of_the_grammar() -> None:
     own = {
         "drop", "last", "first", "usual", "negative", "where_room", "where_last", "when_last",
         "when_first", "where_all", "when_all", "same_place", "seen_alone", "any_alone", "what_last",
-        "what_first",
+        "what_first", "same_room",
         "BE_PRESENT", "BE_PAST", "AUX_DO",
         "AUX_DID", "AUX_HAVE", "AUX_CAN", "stands", "stood",
     }  # fmt: skip
