@@ -103,6 +103,11 @@ def listed(words: Sequence[str]) -> str:
     return f"{', '.join(words[:-1])} and {words[-1]}"
 
 
+def neither(words: Sequence[str]) -> str:
+    """Return "not a", "neither a nor b", "neither a nor b nor c"."""
+    return f"neither {' nor '.join(words)}" if len(words) > 1 else f"not {listed(words)}"
+
+
 def sentence_case(words: str) -> str:
     """Return the words with a capital first letter, the rest as it is."""
     return words[:1].upper() + words[1:]

@@ -13,6 +13,7 @@ from assistant.english import (
     day_of,
     is_many,
     listed,
+    neither,
     number_word,
     plural,
     sentence_case,
@@ -54,7 +55,7 @@ def described(term: ObjectTerm, unjudged: tuple[str, ...] = (), *, noun: str | N
     without = [word for word in term.without if f"not {word}" not in unjudged]
     if term.not_owner is not None and not any(word.startswith("not ") for word in unjudged):
         without.append(theirs(term.not_owner))
-    return f"{said} that is not {listed(without)}" if without else said
+    return f"{said} that is {neither(without)}" if without else said
 
 
 def definite(term: ObjectTerm, words: str) -> str:

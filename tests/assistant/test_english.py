@@ -7,7 +7,17 @@ from zoneinfo import ZoneInfo
 
 import pytest
 
-from assistant.english import ago, article, counted, duration, listed, slice_words, times, when
+from assistant.english import (
+    ago,
+    article,
+    counted,
+    duration,
+    listed,
+    neither,
+    slice_words,
+    times,
+    when,
+)
 from assistant.phrases import at_place
 from grammar.forms import TimeSlice
 
@@ -52,6 +62,8 @@ def test_times_and_lists() -> None:
     assert [times(n) for n in (1, 2, 3, 12)] == ["once", "twice", "three times", "12 times"]
     assert listed(["a"]) == "a"
     assert listed(["a", "b", "c"]) == "a, b and c"
+    assert neither(["red"]) == "not red"
+    assert neither(["red", "blue"]) == "neither red nor blue"
 
 
 @pytest.mark.parametrize(

@@ -312,6 +312,22 @@ def test_what_no_sighting_tells_is_refused_at_its_word(text: str, word: str) -> 
 @pytest.mark.parametrize(
     "text",
     [
+        "is there something red on the table that is not a cup",
+        "did you see anything on the table that is not a cup",
+        "is there anything besides the laptop on the desk",
+        "show me the red things on the table except the cup",
+        "did you see a red thing other than the cup",
+        "show me the things on the table except the cup",
+    ],
+)
+def test_a_kind_left_out_of_what_else_is_asked_is_refused(text: str) -> None:
+    with pytest.raises(OutOfScope):
+        read(text)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
         "where are my keys always",
         "where is the cup that i always use",
         "is the only cup in the kitchen",
