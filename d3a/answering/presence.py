@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping, Sequence
 
-from d3a.answering.distinct import may_be_one
+from d3a.answering.distinct import rounds
 from d3a.answering.moments import Entry, Found, Moment, entry_of, single
 from d3a.answering.run import Run
 from d3a.answering.steps import KeepPresent
@@ -51,7 +51,7 @@ def _doubted(
     """Leave out of a list what may have moved under a new id; tell it of a thing asked for.
 
     Another of its category turned up elsewhere after it was seen last: it may be that one. So may
-    any that has the looks asked for, was seen elsewhere since, and never in one round with it.
+    any that is asked for, was seen elsewhere since, and never in one round with it.
     """
     here = {moment.figure.sighting.object_id for moment in kept}
     first: dict[str, Sighting] = {}
@@ -59,11 +59,16 @@ def _doubted(
         first.setdefault(sighting.object_id, sighting)
     newest = newest_of(before)
 
+    is_any = term.category == ANYTHING
+    shown = _rounds_of(before) if term.attributes or not is_any else {}
+
     def is_alike(moment: Moment, name: str) -> bool:
-        if not term.attributes or newest[name].start_ms <= moment.end_ms:
-            return False
-        both = {name, moment.figure.sighting.object_id}
-        return may_be_one([s for s in before if s.object_id in both])
+        mine = moment.figure.sighting.object_id
+        return (
+            bool(shown)
+            and newest[name].start_ms > moment.end_ms
+            and shown[name].isdisjoint(shown[mine])
+        )
 
     def later(moment: Moment) -> list[Sighting]:
         kind = moment.figure.candidate.record.category
@@ -75,13 +80,22 @@ def _doubted(
             and (sighting.start_ms > moment.end_ms or is_alike(moment, name))
         ]
 
-    if term.category == ANYTHING:
+    if is_any:
         return [moment for moment in kept if not later(moment)]
     doubts = [later(moment) for moment in kept]
     if doubts and all(doubts):
         best = max((s for each in doubts for s in each), key=lambda s: (s.end_ms, s.object_id))
         run.otherwise = single(table, best)
     return kept
+
+
+def _rounds_of(sightings: Sequence[Sighting]) -> dict[str, set[int]]:
+    """Return the rounds that showed each object, by number."""
+    shown: dict[str, set[int]] = {}
+    for number, one in enumerate(rounds(sightings)):
+        for sighting in one:
+            shown.setdefault(sighting.object_id, set()).add(number)
+    return shown
 
 
 def _newest_likeness(

@@ -272,6 +272,17 @@ def test_a_yes_about_now_is_doubted_where_one_like_it_turned_up_elsewhere(
     )
 
 
+def test_one_known_before_may_be_the_same_unless_a_round_showed_both(two_rooms: Home) -> None:
+    two_rooms.thing("other", "cup", paint="red")
+    two_rooms.seen("other", 130, 131, at=(1, 1, 1))
+    two_rooms.seen("other", 300, 310, at=(1, 1, 1))
+    said = told(two_rooms, "Is the cup in the living room?")
+    assert said.startswith("I cannot be sure. I last saw a cup in the living room today at 15:30")
+    two_rooms.seen("other", 209, 211, at=(1, 1, 1))
+    said = told(two_rooms, "Is the cup in the living room?")
+    assert said.startswith("Yes. I last saw a cup in the living room")
+
+
 def test_a_list_of_what_is_there_leaves_out_what_may_have_moved(two_rooms: Home) -> None:
     two_rooms.thing("key", "key")
     two_rooms.seen("key", 200, 210, at=(6, 2, 1))
