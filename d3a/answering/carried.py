@@ -8,6 +8,7 @@ behind it.
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -35,61 +36,62 @@ MOST = 0.99
 """No place is so sure that nothing may speak against it."""
 
 
-def of_one(
-    kind: RelationKind,
-    met: Sequence[Link],
-    pairs: Pairs,
-    figure: Found,
-    ground: Found,
-    carriers: Found,
-    usual: Collection[str],
-    parameters: Parameters,
-) -> Floats:
-    """Return how likely figures are on or under grounds (n,), NaN where nothing tells.
+class Lying(NamedTuple):
+    """Links of figures and grounds, of which it is asked which lies on or under which.
 
-    carriers: what is large and stays. Each of them that the figure may be on, or under, as well
-    speaks against the ground, by its odds; but not what is part of the ground, or lies on it
-    itself. usual: the categories of what is usual as a ground.
+    pairs: the geometry of the links. carriers: what is large and stays; each of them that a figure
+    may be on, or under, as well speaks against its ground, by its odds; but not what is part of
+    the ground, or lies on it itself. usual: the categories of what is usual as a ground.
     """
-    held = agreed(met, relations.probability(kind, pairs, parameters))
-    likely = held >= LEAST  # False for NaN
-    if not carriers.stays or not likely.any():
-        return held
-    pair = numbered((link.figure, link.ground) for link in met)  # all its links agree
-    _, first = np.unique(np.where(likely, pair, -1), return_index=True)
-    asked = [met[k] for k in first.tolist() if likely[k]]
-    rows, rivals = _rivals(asked, figure, carriers)
-    other = relations.probability(kind, pairs_of(rivals, figure, carriers, usual), parameters)
-    told = np.flatnonzero(other >= UNLIKELY).tolist()
-    if not told:
-        return held
-    grounds, others = [asked[rows[k]].ground for k in told], [rivals[k].ground for k in told]
-    odds = _odds(other[told]) * _apart(grounds, ground, others, carriers)
-    of = pair[first[likely[first]]][[rows[k] for k in told]]
-    against = np.bincount(of, odds, minlength=int(pair.max()) + 1)
-    own = _odds(held)
-    return np.where(against[pair] > 0, own / (1.0 + own + against[pair]), held)
 
+    met: Sequence[Link]
+    pairs: Pairs
+    figure: Found
+    ground: Found
+    carriers: Found
+    usual: Collection[str]
+    parameters: Parameters
 
-def off_each_other(
-    met: Sequence[Link],
-    pairs: Pairs,
-    figure: Found,
-    ground: Found,
-    carriers: Found,
-    usual: Collection[str],
-    parameters: Parameters,
-) -> Floats:
-    """Return how likely neither of two lies on the other (n,).
+    def held(self, kind: RelationKind) -> Floats:
+        """Return how likely figures are on or under grounds (n,), NaN where nothing tells."""
+        met, carriers = self.met, self.carriers
+        held = agreed(met, relations.probability(kind, self.pairs, self.parameters))
+        likely = held >= LEAST  # False for NaN
+        if not carriers.stays or not likely.any():
+            return held
+        pair = numbered((link.figure, link.ground) for link in met)  # all its links agree
+        _, first = np.unique(np.where(likely, pair, -1), return_index=True)
+        asked = [met[k] for k in first.tolist() if likely[k]]
+        rows, rivals = _rivals(asked, self.figure, carriers)
+        rivalling = pairs_of(rivals, self.figure, carriers, self.usual)
+        other = relations.probability(kind, rivalling, self.parameters)
+        told = np.flatnonzero(other >= UNLIKELY).tolist()
+        if not told:
+            return held
+        grounds, others = [asked[rows[k]].ground for k in told], [rivals[k].ground for k in told]
+        odds = _odds(other[told]) * _apart(grounds, self.ground, others, carriers)
+        of = pair[first[likely[first]]][[rows[k] for k in told]]
+        against = np.bincount(of, odds, minlength=int(pair.max()) + 1)
+        own = _odds(held)
+        return np.where(against[pair] > 0, own / (1.0 + own + against[pair]), held)
 
-    1 where nothing tells, and where it is not likely: before and behind have their own doubts.
-    """
-    turned = [link.turned() for link in met]
-    last = carriers, usual, parameters
-    over = of_one("on", met, pairs, figure, ground, *last)
-    below = of_one("on", turned, swapped(pairs), ground, figure, *last)
-    either = np.fmax(np.nan_to_num(over), np.nan_to_num(below))
-    return np.where(either >= LIKELY, 1.0 - either, 1.0)
+    def turned(self) -> Lying:
+        """Return the same of the grounds, as lying on or under the figures."""
+        return self._replace(
+            met=[link.turned() for link in self.met],
+            pairs=swapped(self.pairs),
+            figure=self.ground,
+            ground=self.figure,
+        )
+
+    def off_each_other(self) -> Floats:
+        """Return how likely neither of two lies on the other (n,).
+
+        1 where nothing tells, and where it is not likely: before and behind have their own doubts.
+        """
+        over, below = self.held("on"), self.turned().held("on")
+        either = np.fmax(np.nan_to_num(over), np.nan_to_num(below))
+        return np.where(either >= LIKELY, 1.0 - either, 1.0)
 
 
 def _odds(p: Floats) -> Floats:

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from d3a import relations
-from d3a.answering.carried import CONTACT_M, of_one, off_each_other
+from d3a.answering.carried import CONTACT_M, Lying
 from d3a.answering.linked import Link, agreed, pairs_of
 from d3a.answering.moments import Found
 from d3a.answering.standing import stood_together
@@ -272,12 +272,14 @@ class Asked:
         # a shared frame settles that two were together, whatever the geometry
         told = [k for k in met if self.kind != "together" or k.encounter is None]
         pairs = pairs_of(told, self.figure, self.ground, self.usual)
-        found = met, pairs, self.figure, self.ground, self.carriers, self.usual, self.parameters
+        lying = Lying(
+            met, pairs, self.figure, self.ground, self.carriers, self.usual, self.parameters
+        )
         if self.kind in ("on", "under"):
-            return Related(met, of_one(self.kind, *found))
+            return Related(met, lying.held(self.kind))
         held = relations.probability(self.kind, pairs, self.parameters)
         if self.kind in CARRIED:
-            held = held * off_each_other(*found)
+            held = held * lying.off_each_other()
         if self.kind == "together":
             apart = iter(held.tolist())
             held = np.array([next(apart) if k.encounter is None else 1.0 for k in met])

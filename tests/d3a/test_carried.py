@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from d3a.answering.carried import of_one
+from d3a.answering.carried import Lying
 from d3a.answering.joins import Asked
 from d3a.answering.linked import Link, pairs_of
 from d3a.answering.match import Candidate
@@ -96,7 +96,8 @@ def test_what_nothing_measured_stays_untold() -> None:
             table.stays[key] = StayRecord(*key, None, 0, 99, stay.weight)
     link = Link(("cup", 0), ("desk", 0), 0, 99, sightings=(cup.sightings[0], desk.sightings[0]))
     pairs = pairs_of([link], cup, desk)
-    assert np.isnan(of_one("on", [link], pairs, cup, desk, found(chair=CHAIR), (), DEFAULT)).all()
+    lying = Lying([link], pairs, cup, desk, found(chair=CHAIR), (), DEFAULT)
+    assert np.isnan(lying.held("on")).all()
 
 
 def test_a_link_turned_twice_is_the_link() -> None:
