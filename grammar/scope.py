@@ -9,7 +9,7 @@ from __future__ import annotations
 from functools import lru_cache
 from itertools import pairwise
 
-from grammar import speech
+from grammar import adjectives, speech
 from grammar import timewords as tw
 from grammar.closed import is_open, words_of
 from grammar.cursor import DETERMINERS, OWNERS, PRONOUNS, TIME_GAP, Tagged
@@ -243,8 +243,10 @@ def _is_abstract(word: str, head: str, lexicon: Lexicon) -> bool:
 def _predicated(found: FormalQuery, said: list[str], lexicon: Lexicon) -> bool:
     """Whether the last word is said of the subject: `is the plant on the windowsill healthy`."""
     ground, _, last = found.objects[-1].word.rpartition(" ") if found.objects else ("", "", "")
-    known = is_open(last) and (ground in lexicon.nouns or ground in lexicon.places)
-    return "there" not in said and last == said[-1] and known and last not in lexicon.heads
+    known = ground in lexicon.nouns or ground in lexicon.places
+    said_of = last in _lists()["predicate"] or (known and adjectives.describes(last, lexicon.heads))
+    final = bool(ground) and last == said[-1] and "there" not in said
+    return final and said_of and last not in lexicon.heads
 
 
 def _acted(term: ObjectTerm, said: list[str], lexicon: Lexicon) -> bool:

@@ -11,6 +11,7 @@ from grammar import numbers, stutters, timespan
 from grammar import timewords as tw
 from grammar.closed import is_open, words_of
 from grammar.corrections import HESITATING, corrected
+from grammar.nountags import KIN
 from grammar.phrases import asks_at_start, phrases
 from grammar.sayings import AUXILIARIES, QUESTION_STARTS, QUESTION_WORDS, sections
 from grammar.vocabulary import Lexicon
@@ -125,6 +126,7 @@ _TELLING = words_of(
 def plain(words: list[Word], lexicon: Lexicon) -> list[Word]:
     """Return the words of one sentence without what changes nothing."""
     words = _joined(_counting(_heard(_without_fillers(words)), lexicon), lexicon)
+    words = _unowned(words, lexicon)
     words = corrected(words, lexicon)
     words = stutters.without_stutters(words, lexicon)
     return _located(_closed(_searching(_without_thought(_opened(_searching(words))))))
@@ -218,6 +220,21 @@ def _joined(words: list[Word], lexicon: Lexicon) -> list[Word]:
 
 
 _LED = words_of("the a an my your our his her their this that")
+
+
+def _unowned(words: list[Word], lexicon: Lexicon) -> list[Word]:
+    """Return the words with things that a recogniser made owners of nothing: `my key's`."""
+    for i in range(2, len(words)):
+        thing = words[i].text.removesuffix("'s")
+        if thing == words[i].text or thing in KIN or lexicon.known_noun(thing) is None:
+            continue
+        verb = words[i - 2].text in AUXILIARIES or words[i - 2].text in phrases().verbs
+        after = [w.text for w in words[i + 1 :]]
+        owns = after and (is_open(after[0]) or after[0] == "own")
+        timed = owns and any(time.first == 0 for time in timespan.find(after))
+        if verb and words[i - 1].text in _LED and (timed or not owns):
+            return [*words[:i], replace(words[i], text=thing), *words[i + 1 :]]
+    return words
 
 
 def _without_fillers(words: list[Word]) -> list[Word]:

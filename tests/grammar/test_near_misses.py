@@ -1,0 +1,75 @@
+"""Sayings that were nearly read, beside plain ones of the same meaning, and near refusals."""
+
+from __future__ import annotations
+
+from datetime import datetime
+
+import pytest
+
+from grammar import OutOfScope, QuestionError, parse
+
+NOW = datetime.fromisoformat("2026-05-14T20:30:00+01:00")
+
+
+def alike(said: str, plainly: str) -> bool:
+    """Whether two sayings are one query."""
+    found, meant = (parse(text, now=NOW).to_json() for text in (said, plainly))
+    for record in (found, meant):
+        del record["text"]
+        record.pop("corrections", None)
+    return found == meant
+
+
+@pytest.mark.parametrize(
+    ("said", "plainly"),
+    [
+        ("number of jars seen yesterday", "how many jars did you see yesterday"),
+        ("count bins detected in the attic", "how many bins were detected in the attic"),
+        ("position of the grey jar at 11:45", "where was the grey jar at 11:45"),
+        ("whereabouts of my parrot", "where is my parrot"),
+        ("what are the coordinates of the pallet", "where is the pallet"),
+        ("have you seen my rake, and if so, where?", "have you seen my rake"),
+        ("where are my glove's", "where is my glove"),
+        ("have you seen my rake's today", "have you seen my rake today"),
+    ],
+)
+def test_a_saying_means_what_the_plain_one_does(said: str, plainly: str) -> None:
+    assert alike(said, plainly)
+
+
+def test_the_glove_of_a_person_keeps_its_owner() -> None:
+    assert parse("is the glove my mom's", now=NOW).objects[0].owner == "mom"
+    assert parse("where is the dog's leash", now=NOW).objects[0].owner == "dog"
+
+
+@pytest.mark.parametrize(
+    ("text", "ground"),
+    [
+        ("was any jar seen near the robot arm", "robot arm"),
+        ("is the jar on the window ledge", "window ledge"),
+        ("is the rope on the boat deck", "boat deck"),
+    ],
+)
+def test_an_unknown_word_after_a_known_one_is_their_noun(text: str, ground: str) -> None:
+    assert parse(text, now=NOW).objects[1].word == ground
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "is the fern on the sill healthy",
+        "is the loaf on the counter stale",
+        "is the gate in the yard ajar",
+        "is the bench on the porch wobbly",
+        "you can peel the carrots?",
+    ],
+)
+def test_states_and_doings_are_out_of_scope(text: str) -> None:
+    with pytest.raises(OutOfScope):
+        parse(text, now=NOW)
+
+
+@pytest.mark.parametrize("text", ["where is my mother's", "was that the cat's yesterday"])
+def test_an_owner_alone_is_no_thing(text: str) -> None:
+    with pytest.raises(QuestionError):
+        parse(text, now=NOW)
