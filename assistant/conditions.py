@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from assistant.english import counted, listed
+from assistant.english import counted, listed, neither
 from assistant.phrases import asked_place, definite, described, numbered, plain_place, term_of
 from d3a.answer import Answer
 from d3a.plan import numbers_together
@@ -26,10 +26,19 @@ def condition_words(answer: Answer, query: FormalQuery) -> str:
         return related  # under the desk: at which desk goes without saying
     if f"in the {query.place}" in answer.unjudged:
         return related
-    absent = query.negated and query.relation is None and query.ask != "whether"
-    place = f" {'not ' if absent != query.outside else ''}{asked_place(query, query.place)}"
+    absent = query.relation is None and query.seeks_absence
+    places = _places_words(query, query.place, denied=absent != query.outside)
+    place = f" {places}"
     # not on the counter in the kitchen would deny the kitchen too
     return f"{place} but{related}" if related and is_denied(query) else f"{related}{place}"
+
+
+def _places_words(query: FormalQuery, place: str, *, denied: bool) -> str:
+    """Return the places of a question: not in the kitchen, in the kitchen or in the hall."""
+    places = [asked_place(query, each) for each in (place, *query.or_places)]
+    if len(places) == 1:
+        return f"not {places[0]}" if denied else places[0]
+    return neither(places) if denied else " or ".join(places)
 
 
 def is_denied(query: FormalQuery) -> bool:
@@ -38,7 +47,7 @@ def is_denied(query: FormalQuery) -> bool:
     A whether that is denied as a whole looked for what it denies: that was found with it.
     """
     denied = query.relation is not None and query.relation.negated
-    return denied != (query.negated and query.ask != "whether")
+    return denied != query.seeks_absence
 
 
 def _related_words(answer: Answer, query: FormalQuery) -> str:

@@ -46,6 +46,8 @@ def noun_of(term: ObjectTerm) -> str:
 
 def described(term: ObjectTerm, unjudged: tuple[str, ...] = (), *, noun: str | None = None) -> str:
     """Return noun and attributes, without those that nobody judged: "orange bowl"."""
+    if term.or_else:
+        return _any_of(term, unjudged, noun)
     left_out = {word for phrase in unjudged for word in (phrase, *phrase.split())}
     words = [word for word in term.attributes if word not in left_out]
     for i in range(len(words) - 1, 0, -1):
@@ -55,7 +57,24 @@ def described(term: ObjectTerm, unjudged: tuple[str, ...] = (), *, noun: str | N
     without = [word for word in term.without if f"not {word}" not in unjudged]
     if term.not_owner is not None and not any(word.startswith("not ") for word in unjudged):
         without.append(theirs(term.not_owner))
+    kinds = (described(other) for other in term.other_than)
+    without += [article(kind) for kind in kinds if f"not {kind}" not in unjudged]
     return f"{said} that is {neither(without)}" if without else said
+
+
+def _any_of(term: ObjectTerm, unjudged: tuple[str, ...], noun: str | None) -> str:
+    """Return what will do as well: "pink or red cup", "cup or bowl"."""
+    own = replace(term, or_else=())
+    bare = [replace(each, attributes=(), var=term.var) for each in (own, *term.or_else)]
+    if all(each == bare[0] for each in bare):  # they differ in their looks alone
+        looks = " or ".join(" ".join(each.attributes) for each in (own, *term.or_else))
+        return described(replace(own, attributes=(looks,)), unjudged, noun=noun)
+    said = [described(own, unjudged, noun=noun)]
+    many = noun is not None and noun == plural(noun_of(own))
+    said += [
+        described(t, unjudged, noun=plural(noun_of(t)) if many else None) for t in term.or_else
+    ]
+    return " or ".join(said)
 
 
 def definite(term: ObjectTerm, words: str) -> str:

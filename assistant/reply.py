@@ -124,7 +124,7 @@ def _yes(answer: Answer, query: FormalQuery) -> str:
     """Return the word before what was seen; none where that is only a part of what was asked."""
     if answer.unjudged or not_judged(answer):
         return ""
-    return "No, there was: " if query.negated else "Yes. "
+    return "No, there was: " if query.negated and not query.contrary else "Yes. "
 
 
 def _where(answer: Answer, query: FormalQuery, now: datetime) -> str:

@@ -61,7 +61,7 @@ def on_a_spot(query: FormalQuery, facts: Facts) -> FormalQuery:
 def _beside_things(query: FormalQuery, facts: Facts) -> FormalQuery:
     """Return the query of the things of a name that was a place's, and is no longer."""
     name = query.place
-    if name is None or query.relation is not None or len(query.objects) != 1:
+    if name is None or query.or_places or query.relation is not None or len(query.objects) != 1:
         return query
     if _is_place(name, facts) or not _is_thing(name, facts):
         return query
@@ -129,6 +129,8 @@ def without_itself(answer: Answer, query: FormalQuery) -> Answer:
 def _spot_of(ground: ObjectTerm, facts: Facts) -> str | None:
     """Return the place that the words of an object name, as it is written; the exact one first."""
     if ground.without or ground.not_owner or ground.quantity is not None or ground.where:
+        return None
+    if ground.or_else or ground.other_than:
         return None
     whose = "" if ground.owner in (None, "me") else f"{ground.owner}'s "
     words = (" ".join((*ground.attributes, noun)) for noun in (ground.word, ground.category))

@@ -11,7 +11,10 @@ from datetime import datetime
 from time import perf_counter
 from typing import assert_never
 
+import numpy as np
+
 from d3a.answer import Answer
+from d3a.answering.alternatives import leave_out, take_in
 from d3a.answering.attributes import judged
 from d3a.answering.bounded import (
     find_bounded,
@@ -49,11 +52,13 @@ from d3a.plan import (
     KeepMoved,
     KeepPresent,
     KeepUsual,
+    LeaveOut,
     Measure,
     Plan,
     Rank,
     Relate,
     Step,
+    TakeIn,
     Unite,
     numbers_unjudged,
 )
@@ -100,6 +105,10 @@ def _take(run: Run, step: Step) -> None:
             _find_objects(run, step)
         case JudgeAttributes():
             _judge(run, step)
+        case TakeIn():
+            take_in(run, step)
+        case LeaveOut():
+            leave_out(run, step)
         case FindSightings():
             _find_sightings(run, step)
         case FindEdge():
@@ -239,8 +248,9 @@ def _judge(run: Run, step: JudgeAttributes) -> None:
     if not table.candidates:
         return
     verdict = judged(step, list(table.candidates.values()), run.facts.looks, run.lexicon)
-    for words in verdict.unjudged:
+    for words in verdict.unjudged if "-" not in step.var else ():  # it is said of what is left out
         run.leave_out(words)
+    table.unjudged = bool(verdict.unjudged)
     table.refused = [c for name, c in table.candidates.items() if name not in verdict.kept]
     table.candidates, table.doubtful = verdict.kept, verdict.doubtful
 
@@ -286,14 +296,20 @@ def _drop_gone(run: Run, step: DropGone) -> None:
 
 
 def _filter_place(run: Run, step: FilterPlace) -> None:
-    region = run.region(step.place)
+    names = (step.place, *step.others)
+    regions = {name: region for name in names if (region := run.region(name)) is not None}
     table = run.found[step.var]
     stays = sorted(table.stays.values(), key=lambda stay: stay.key)
-    if region is None or (stays and all(stay.position is None for stay in stays)):
-        run.leave_out(f"in the {step.place}")
+    unplaced = bool(stays) and all(stay.position is None for stay in stays)
+    # it may be in a room that nobody defined, and then is in one of them; outside of all others
+    if unplaced or not regions or (not step.negated and len(regions) < len(names)):
+        regions = {}
+    for name in (name for name in names if name not in regions):
+        run.leave_out(f"in the {name}")
+    if not regions:
         return
     run.before_place[step.var] = list(table.sightings)
-    inside = probability_inside(region, stays)
+    inside = np.minimum(1.0, sum(probability_inside(region, stays) for region in regions.values()))
     for stay, p in zip(stays, inside, strict=True):
         if p == p:  # a stay without a position is in no room: it cannot be told
             table.place[stay.key] = float(1 - p if step.negated else p)

@@ -32,11 +32,13 @@ from d3a.answering.steps import (
     KeepMoved,
     KeepPresent,
     KeepUsual,
+    LeaveOut,
     Measure,
     Precision,
     Rank,
     Relate,
     Step,
+    TakeIn,
     Unite,
 )
 from d3a.model import Json
@@ -67,12 +69,14 @@ __all__ = [
     "KeepMoved",
     "KeepPresent",
     "KeepUsual",
+    "LeaveOut",
     "Measure",
     "Plan",
     "Precision",
     "Rank",
     "Relate",
     "Step",
+    "TakeIn",
     "Unite",
     "numbers_together",
     "plan",
@@ -114,7 +118,7 @@ def plan(
         return Plan(query, plan(all_of_it, parameters=parameters, precision=precision).steps)
     steps: list[Step] = []
     objects = query.objects or (ObjectTerm(ANYTHING),)
-    polarity = _asks_for_absence(query)
+    polarity = query.seeks_absence  # what is found is said with the question's own polarity
     for number, term in enumerate(objects):  # all first: how far back is read depends on all
         figure = query.relation is None or number == 0
         steps += _object_steps(term, term.var, query, precision, figure=figure)
@@ -125,7 +129,8 @@ def plan(
     if query.place is not None:
         negated = (polarity and query.relation is None) != query.outside
         placed = names if query.relation is None else (var,)
-        steps += [FilterPlace(name, query.place, negated) for name in placed]
+        others = query.or_places
+        steps += [FilterPlace(name, query.place, negated, others) for name in placed]
     united = False
     if query.relation is not None:
         negated = query.relation.negated != polarity
@@ -147,19 +152,10 @@ def plan(
     if _wants_the_last(query):
         steps.append(FindLaterNames(var))
     steps.append(FindLandmarks(var))
-    within = None if query.outside else query.place
+    within = None if query.outside or query.or_places else query.place
     steps.append(Cover(within))
     steps.append(ExplainEmpty(alone, query.time, within))
     return Plan(query, tuple(steps))
-
-
-def _asks_for_absence(query: FormalQuery) -> bool:
-    """Whether the relation or place must fail to hold.
-
-    "Is there no cup on the table?" is settled by looking for a cup on the table; what it found is
-    said with the question's own polarity. "When was the cup not with the bowl?" wants the others.
-    """
-    return query.negated and query.ask != "whether"
 
 
 def _asks_for_the_present(query: FormalQuery) -> bool:
@@ -186,9 +182,20 @@ def _object_steps(
     votes = figure and not counted and precision is None and term.category != ANYTHING
     find = FindObjects(var, term.category, term.word, term.owner, precision, votes, term.not_owner)
     steps: list[Step] = [find]
-    if (term.attributes or term.without) and precision not in ("category", "any"):
+    looks = precision not in ("category", "any")
+    if (term.attributes or term.without) and looks:
         doubts = "." not in var and _lists_doubts(query, term)
         steps.append(JudgeAttributes(var, term.attributes, term.without, doubts))
+    if term.or_else:
+        names = tuple(f"{var}/{number}" for number, _ in enumerate(term.or_else, 1))
+        for name, other in zip(names, term.or_else, strict=True):
+            steps += _object_steps(other, name, query, precision, figure=figure)
+        steps.append(TakeIn(var, names))
+    if term.other_than and looks:
+        names = tuple(f"{var}-{number}" for number, _ in enumerate(term.other_than, 1))
+        for name, other in zip(names, term.other_than, strict=True):
+            steps += _object_steps(other, name, query, precision, figure=False)
+        steps.append(LeaveOut(var, names))
     return steps
 
 
@@ -312,7 +319,8 @@ def _lists_doubts(query: FormalQuery, term: ObjectTerm) -> bool:
     """Whether the answer is a list by likelihood, which may end in what is doubtful."""
     listed = query.select == "all" and query.ask in ("whether", "where", "what", "when")
     sifted = term.quantity is not None or term.where is not None or query.place is not None
-    return listed and not sifted and not query.negated and not term.without
+    chosen = term.without or term.or_else or term.other_than
+    return listed and not sifted and not query.negated and not chosen
 
 
 def _spreads(query: FormalQuery) -> bool:

@@ -75,6 +75,8 @@ class ObjectTerm:
     word: the noun as said, singular, after spelling correction; matching ranks by it.
     attributes, without: words in spoken order. owner: "me", "you", or a lower-case name.
     bound: how `quantity` is meant: two cups are at least two. not_owner: whose it must not be.
+    or_else: what will do as well, a pink cup or a red one. other_than: what it must not be, a red
+    thing other than a cup. None of either has these, a number or a place of its own.
     """
 
     category: str
@@ -87,8 +89,13 @@ class ObjectTerm:
     var: str = "x"
     bound: Bound = "least"
     not_owner: str | None = None
+    or_else: tuple[ObjectTerm, ...] = ()
+    other_than: tuple[ObjectTerm, ...] = ()
 
     def __post_init__(self) -> None:
+        for name in ("or_else", "other_than"):
+            if not all(_is_plain(term) for term in getattr(self, name)):
+                raise FormError(f"{name} is told by more than a noun, looks and an owner")
         if self.bound != "least":
             _one_of("bound", self.bound, BOUNDS)
             if self.quantity is None:
@@ -108,9 +115,14 @@ class ObjectTerm:
     def to_json(self) -> Json:
         """Return the JSON record of formal-query, every field present.
 
-        `bound` and `not_owner`, which it does not know, only where they say something.
+        Those from `bound` on, which it does not know, only where they say something.
         """
-        more = {"bound": self.bound if self.bound != "least" else None, "not_owner": self.not_owner}
+        more = {
+            "bound": self.bound if self.bound != "least" else None,
+            "not_owner": self.not_owner,
+            "or_else": [term.to_json() for term in self.or_else] or None,
+            "other_than": [term.to_json() for term in self.other_than] or None,
+        }
         return {
             "var": self.var,
             "category": self.category,
@@ -121,6 +133,12 @@ class ObjectTerm:
             "quantity": self.quantity,
             "where": self.where.to_json() if self.where else None,
         } | {name: said for name, said in more.items() if said is not None}
+
+
+def _is_plain(term: ObjectTerm) -> bool:
+    """Whether a term says no more than a noun, looks and whose it is."""
+    said = (term.quantity, term.where, *term.or_else, *term.other_than)
+    return all(each is None for each in said)
 
 
 @dataclass(frozen=True, slots=True)
@@ -194,6 +212,10 @@ class FormalQuery:
     `missing` without an object. place: a named region, never an object.
     select: which of the sightings; `usual` asks where a thing habitually lies.
     outside: the place is one where it must not be: the cup that is not in the kitchen.
+    or_places: further places: in the kitchen or the hall, and `outside` in neither.
+    contrary: a denied `whether` asks for a sighting of which it does not hold, as a denied `when`
+    does: was it ever not in the hall; else, as in is there no cup, if there is none of which it
+    holds.
     corrections: the words that were read as others; no part of what is asked, so not compared.
     """
 
@@ -207,14 +229,19 @@ class FormalQuery:
     select: Select = "all"
     negated: bool = False
     outside: bool = False
+    or_places: tuple[str, ...] = ()
+    contrary: bool = False
     corrections: tuple[Correction, ...] = field(default=(), compare=False)
 
     def __post_init__(self) -> None:
         _one_of("form", self.form, FORMS)
         _one_of("ask", self.ask, ASKS)
         _one_of("select", self.select, SELECTS)
-        if self.outside and self.place is None:
-            raise FormError("outside of no place; say of which")
+        if (self.outside or self.or_places) and self.place is None:
+            raise FormError("outside of no place, or another place of none; say of which")
+        somewhere = self.relation is not None or self.place is not None
+        if self.contrary and not (self.negated and self.ask == "whether" and somewhere):
+            raise FormError("contrary is said of a denied whether alone, of a relation or a place")
         if len(self.objects) > len(VARIABLES):
             raise FormError(f"{len(self.objects)} objects; at most {len(VARIABLES)} will do")
         named = tuple(
@@ -229,6 +256,14 @@ class FormalQuery:
         return tuple(term for each in self.objects for term in each.chain())
 
     @property
+    def seeks_absence(self) -> bool:
+        """Whether relation and place must fail to hold, as in when was the cup not in the hall.
+
+        Is there no cup on the table is settled by looking for a cup on the table.
+        """
+        return self.negated and (self.ask != "whether" or self.contrary)
+
+    @property
     def formal(self) -> str:
         """The paper's notation, for reading; see `grammar.notation.formal`."""
         from grammar.notation import formal  # it is written of this record
@@ -238,7 +273,7 @@ class FormalQuery:
     def to_json(self) -> Json:
         """Return the JSON record of formal-query.
 
-        `outside` and `corrections`, which it does not know, only where there is such.
+        Those after `negated`, which it does not know, only where they say something.
         """
         record: Json = {
             "text": self.text,
@@ -254,6 +289,10 @@ class FormalQuery:
         }
         if self.outside:
             record["outside"] = True
+        if self.or_places:
+            record["or_places"] = list(self.or_places)
+        if self.contrary:
+            record["contrary"] = True
         if self.corrections:
             record["corrections"] = [each.to_json() for each in self.corrections]
         return record
@@ -279,6 +318,8 @@ class FormalQuery:
                 select=cast("Select", record["select"]),
                 negated=bool(record["negated"]),
                 outside=bool(record.get("outside", False)),
+                or_places=tuple(record.get("or_places", ())),
+                contrary=bool(record.get("contrary", False)),
                 corrections=tuple(Correction(**said) for said in record.get("corrections", ())),
             )
         except KeyError as error:
@@ -317,4 +358,6 @@ def _term_from_json(record: Mapping[str, Any]) -> ObjectTerm:
         var=record["var"],
         bound=cast("Bound", record.get("bound", "least")),
         not_owner=record.get("not_owner"),
+        or_else=tuple(_term_from_json(term) for term in record.get("or_else", ())),
+        other_than=tuple(_term_from_json(term) for term in record.get("other_than", ())),
     )

@@ -19,12 +19,14 @@ sign for is said in both by one rule each:
     said(x, "mug")          the noun, where it is another word than the category
     of(x, "anna")           the owner; `not of(x, "anna")`: whose it must not be
     count(x, 2)             at least two; `count(x, <= 2)`: at most; `count(x, = 2)`: exactly
+    or(x, xo1)              what will do as well, of an object with predicates of its own
+    other(x, xn1)           what it must not be, of such an object
     near(x, x1)             what describes it, of an object with predicates of its own; or `not`
     on, not on              the relation of the objects, in the call
-    in hall, not in hall    the place where it must be, must not be
+    in hall, not in hall    the place where it must be, must not be; of several: any, none of them
     ask count               what is asked, where it is not the paper's whether, when or where
     select last             which of the sightings: last, first or usual
-    negated                 the question as a whole is denied
+    negated                 the question as a whole is denied; `contrary`: it asks for the contrary
 """
 
 from __future__ import annotations
@@ -79,7 +81,7 @@ def write(query: FormalQuery) -> str:
     found = [f"OIc.find({', '.join(var for _, var in named)})"]
     time = None if query.time is None else _slice(query.time)
     said = [f"form {query.form}", f"ask {query.ask}", f"select {query.select}"]
-    said += ["negated"] if query.negated else []
+    said += _flags(query)
     return _line(query, predicates, found, time, [*said, f"said {json.dumps(query.text)}"])
 
 
@@ -108,8 +110,12 @@ def formal(query: FormalQuery) -> str:
     if apart or query.ask != ask_unsaid(relation, query.time, stored=stored):
         said.append(f"ask {query.ask}")
     said += [f"select {query.select}"] if query.select != "all" else []
-    said += ["negated"] if query.negated else []
+    said += _flags(query)
     return _line(query, predicates, found or ["OIc.find()"], time, said)
+
+
+def _flags(query: FormalQuery) -> list[str]:
+    return ["negated"] * query.negated + ["contrary"] * query.contrary
 
 
 def form_unsaid(relation: Relation | None, *, stored: bool) -> Form:
@@ -138,8 +144,8 @@ def _line(
     calls = list(found)
     if query.relation is not None:
         calls.append(("not " if query.relation.negated else "") + query.relation.kind)
-    if query.place is not None:
-        calls.append(f"{'not ' if query.outside else ''}in {_word(query.place)}")
+    places = () if query.place is None else (query.place, *query.or_places)
+    calls += [f"{'not ' if query.outside else ''}in {_word(place)}" for place in places]
     if time is not None:
         predicates, calls = [*predicates, f"time({TIME})"], [*calls, time]
     call = ", ".join(calls)
@@ -172,6 +178,10 @@ def _predicates(term: ObjectTerm, var: str) -> list[str]:
         found.append(f"not of({var}, {json.dumps(term.not_owner)})")
     if term.quantity is not None:
         found.append(f"count({var}, {SIGNS[term.bound]}{term.quantity})")
+    for link, others in (("or", term.or_else), ("other", term.other_than)):
+        for number, other in enumerate(others, 1):
+            inner = f"{var}{'o' if link == 'or' else 'n'}{number}"
+            found += [*_predicates(other, inner), f"{link}({var}, {inner})"]
     if term.where is not None:
         inner = f"{var}1"
         found += _predicates(term.where.object, inner)

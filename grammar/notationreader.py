@@ -46,6 +46,8 @@ class _Object:
     quantity: int | None = None
     bound: Bound = "least"
     related: tuple[str, str, bool] | None = None
+    or_else: list[str] = field(default_factory=list)
+    other_than: list[str] = field(default_factory=list)
 
 
 @dataclass
@@ -56,7 +58,7 @@ class _Line:
     found: list[list[str]] = field(default_factory=list)
     stored: bool = False
     relation: Relation | None = None
-    place: str | None = None
+    places: list[str] = field(default_factory=list)
     outside: bool = False
     time: TimeSlice | None = None
     timed: bool = False
@@ -120,7 +122,10 @@ class _Reader:
                 (thing.without if negated else thing.words).append(word)
             case "relates":
                 self.line.objects.setdefault(rest[0], _Object())
-                thing.related = (word, rest[0], negated)
+                if word in ("or", "other") and not negated:
+                    (thing.or_else if word == "or" else thing.other_than).append(rest[0])
+                else:
+                    thing.related = (word, rest[0], negated)
             case "counts":
                 thing.bound = _bound(rest[0] if len(rest) > 1 else "")
                 thing.quantity = int(rest[-1])
@@ -147,13 +152,20 @@ class _Reader:
             case "call":
                 self._call(tree)
             case "place":
-                self.line.place = _text(tree.children[-1])
-                self.line.outside = len(tree.children) == 3
+                self._placed(_text(tree.children[-1]), outside=len(tree.children) == 3)
             case "named":
                 negated = len(tree.children) == 2
                 self._named(str(tree.children[-1]), negated=negated)
             case _:
                 self._bounded([_moment_text(child) for child in tree.children])
+
+    def _placed(self, place: str, *, outside: bool) -> None:
+        if self.line.places and self.line.outside != outside:
+            raise FormError(
+                "it is in one place and not in another; one of them goes without saying"
+            )
+        self.line.places.append(place)
+        self.line.outside = outside
 
     def _named(self, name: str, *, negated: bool) -> None:
         if name in self.line.objects and not negated:
@@ -216,7 +228,7 @@ class _Reader:
             self.line.settings["said"] = json.loads(value[0])
         elif tree.data == "setting" and name in ("form", "ask", "select"):
             self.line.settings[name] = value[0]
-        elif tree.data == "flag" and name == "negated":
+        elif tree.data == "flag" and name in ("negated", "contrary"):
             self.line.settings[name] = ""
         else:
             raise FormError(f"{name} is unknown here; form, ask, select, negated and said are not")
@@ -247,11 +259,13 @@ class _Reader:
             ask=cast("Ask", ask),
             objects=terms,
             relation=relation,
-            place=line.place,
+            place=line.places[0] if line.places else None,
+            or_places=tuple(line.places[1:]),
             outside=line.outside,
             time=line.time,
             select=cast("Select", select),
             negated="negated" in settings,
+            contrary="contrary" in settings,
         )
 
     def _terms(self) -> tuple[ObjectTerm, ...]:
@@ -301,6 +315,8 @@ class _Reader:
             where=where,
             bound=thing.bound,
             not_owner=thing.not_owner,
+            or_else=tuple(self._term(self.line.objects[v], depth + 1) for v in thing.or_else),
+            other_than=tuple(self._term(self.line.objects[v], depth + 1) for v in thing.other_than),
         )
 
 

@@ -80,11 +80,12 @@ def readable(record: dict[str, Any]) -> str:
         ]
     if record["place"]:
         outside = "not " * record.get("outside", False)
-        lines += [f"  place: {outside}{record['place']}"]
+        places = " or ".join([record["place"], *record.get("or_places", ())])
+        lines += [f"  place: {outside}{places}"]
     if record["time"]:
         lines += [f"  time: {record['time']['start'] or '...'} to {record['time']['end'] or '...'}"]
     if record["negated"]:
-        lines += ["  negated"]
+        lines += ["  negated" + ": is there one to the contrary" * ("contrary" in record)]
     return "\n".join(map(clean, lines))
 
 
@@ -97,6 +98,8 @@ def _term(term: dict[str, Any]) -> str:
         words.append(f"of {term['owner']}")
     if term.get("not_owner"):
         words.append(f"not of {term['not_owner']}")
+    words += [f"other than {_term(other)}" for other in term.get("other_than", ())]
+    words += [f"or {_term(other)}" for other in term.get("or_else", ())]
     if term["quantity"] is not None:
         how = {"most": "at most ", "exactly": "exactly "}.get(term.get("bound", "least"), "")
         words.append(f"x {how}{term['quantity']}")

@@ -31,7 +31,8 @@ class Found:
     refused: what the word means, but not the attributes; doubtful: candidates that hold them less
     likely than not, to be told only beside others. gone: sightings that no longer held at
     the moment asked for.
-    known: whether a category, a taught name or a detector's class knows the word.
+    known: whether a category, a taught name or a detector's class knows the word. unjudged: a
+    condition of its own that was left out: of what is plastic nobody knows which cups are.
     """
 
     candidates: dict[str, Candidate] = field(default_factory=dict)
@@ -40,6 +41,7 @@ class Found:
     place: dict[StayKey, float] = field(default_factory=dict)
     held: dict[StayKey, float] = field(default_factory=dict)
     known: bool = True
+    unjudged: bool = False
     refused: list[Candidate] = field(default_factory=list)
     doubtful: frozenset[str] = frozenset()
     gone: list[Sighting] = field(default_factory=list)

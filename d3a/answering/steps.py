@@ -53,6 +53,22 @@ class JudgeAttributes:
 
 
 @dataclass(frozen=True, slots=True)
+class TakeIn:
+    """Count what was found for `others` as found for `var`: a pink cup, or else a red one."""
+
+    var: str
+    others: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class LeaveOut:
+    """Drop of `var` what is rather one of `others`: something red that is not a cup."""
+
+    var: str
+    others: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
 class FindSightings:
     """STc.find: sightings of the objects of `var` that touch [start, end).
 
@@ -102,11 +118,15 @@ class DropGone:
 
 @dataclass(frozen=True, slots=True)
 class FilterPlace:
-    """Keep sightings of `var` inside of the named region; outside of it where negated."""
+    """Keep sightings of `var` inside of the named region; outside of it where negated.
+
+    others: further regions; inside of any of them, or outside of all.
+    """
 
     var: str
     place: str
     negated: bool = False
+    others: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -252,6 +272,8 @@ class ExplainEmpty:
 Step = (
     FindObjects
     | JudgeAttributes
+    | TakeIn
+    | LeaveOut
     | FindSightings
     | FindEdge
     | FindStays

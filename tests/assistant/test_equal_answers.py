@@ -27,7 +27,7 @@ from tests.worlds.made import NOW, Home
 from tests.worlds.oracle import OracleStore
 
 DRAWN = int(os.environ.get("D3A_DRAWN", "12"))
-QUERIES = 8
+QUERIES = 6
 SETTINGS = settings(
     max_examples=DRAWN,
     deadline=None,

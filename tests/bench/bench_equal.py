@@ -17,7 +17,7 @@ import time
 from pathlib import Path
 
 TEST = Path(__file__).parents[1] / "assistant" / "test_equal_answers.py"
-QUERIES = 8
+QUERIES = 6
 
 
 def main() -> None:

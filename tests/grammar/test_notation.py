@@ -39,6 +39,13 @@ MOMENTS = st.builds(
 )
 
 
+def plain_terms() -> st.SearchStrategy[ObjectTerm]:
+    """Draw what else will do, or what a thing must not be: no more than a noun and its looks."""
+    looks = st.lists(WORDS, max_size=2).map(tuple)
+    owner = st.none() | WORDS
+    return st.builds(ObjectTerm, WORDS, WORDS, looks, looks, owner, not_owner=owner)
+
+
 @st.composite
 def terms(draw: st.DrawFn, depth: int = 2) -> ObjectTerm:
     """Draw an object, with a description by a relation up to `depth` deep."""
@@ -46,6 +53,8 @@ def terms(draw: st.DrawFn, depth: int = 2) -> ObjectTerm:
     if depth and draw(st.booleans()):
         kind = draw(st.sampled_from(RELATION_KINDS))
         where = Where(kind, draw(terms(depth - 1)), draw(st.booleans()))
+    several = draw(st.integers(0, 3)) == 0
+    others = st.lists(plain_terms(), max_size=2 if several else 0).map(tuple)
     return ObjectTerm(
         category=draw(WORDS),
         word=draw(WORDS),
@@ -56,6 +65,8 @@ def terms(draw: st.DrawFn, depth: int = 2) -> ObjectTerm:
         where=where,
         bound="least" if quantity is None else draw(st.sampled_from(BOUNDS)),
         not_owner=draw(st.none() | WORDS),
+        or_else=draw(others),
+        other_than=draw(others),
     )
 
 
@@ -75,14 +86,16 @@ def queries(draw: st.DrawFn) -> FormalQuery:
     return FormalQuery(
         text=draw(st.text(max_size=40)),
         form=draw(st.sampled_from(FORMS)),
-        ask=draw(st.sampled_from(ASKS)),
+        ask=(ask := draw(st.sampled_from(ASKS))),
         objects=tuple(draw(st.lists(terms(), max_size=len(VARIABLES)))),
-        relation=draw(st.none() | relation),
+        relation=(related := draw(st.none() | relation)),
         place=(place := draw(st.none() | WORDS)),
         time=draw(st.none() | slices()),
         outside=place is not None and draw(st.booleans()),
+        or_places=() if place is None else tuple(draw(st.lists(WORDS, max_size=2))),
         select=draw(st.sampled_from(SELECTS)),
-        negated=draw(st.booleans()),
+        negated=(negated := draw(st.booleans())),
+        contrary=negated and ask == "whether" and bool(place or related) and draw(st.booleans()),
     )
 
 
@@ -90,10 +103,14 @@ def queries(draw: st.DrawFn) -> FormalQuery:
 def changed(draw: st.DrawFn) -> tuple[FormalQuery, FormalQuery]:
     """Draw two queries that differ in one field, of the query or of one of its objects."""
     query, other = draw(queries()), draw(queries())
-    fields = ("form", "ask", "objects", "relation", "select", "negated")
-    field = draw(st.sampled_from((*fields, "place", "term")))
+    query = replace(query, contrary=False)  # what it is said of changes
+    fields = ("form", "objects", "relation", "select", "negated")
+    field = draw(st.sampled_from((*fields, "ask", "place", "term")))
     if field == "place":
-        return query, replace(query, place=other.place, outside=other.outside)
+        where = other.place, other.or_places, other.outside
+        return query, replace(query, place=where[0], or_places=where[1], outside=where[2])
+    if field == "ask":
+        return query, replace(query, ask=other.ask)
     if field != "term":
         return query, replace(query, **{field: getattr(other, field)})
     one, another = draw(terms()), draw(terms())
@@ -102,6 +119,12 @@ def changed(draw: st.DrawFn) -> tuple[FormalQuery, FormalQuery]:
     if name in ("quantity", "bound"):
         change = {"quantity": another.quantity, "bound": another.bound}
     return replace(query, objects=(one,)), replace(query, objects=(replace(one, **change),))
+
+
+def test_the_contrary_is_told_in_the_notation_for_people() -> None:
+    cup = ObjectTerm("cup")
+    query = FormalQuery("", "Q3", "whether", (cup,), place="hall", negated=True, contrary=True)
+    assert query.formal.endswith("negated, contrary")
 
 
 def vars_unset(query: FormalQuery) -> FormalQuery:

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from grammar.forms import (
     ANYTHING,
+    ASKS,
     BOUNDS,
     FormalQuery,
     ObjectTerm,
@@ -22,7 +23,6 @@ from tests.worlds.made import PAINTS, Home, at
 KINDS = ("cup", "bowl", "table", "sports ball", "couch")
 WORDS = (*KINDS, "mug", "keys", "ball", "elephant", ANYTHING)
 RELATIONS = ("together", "near", "on", "under", "in", "left_of", "same_place", "between")
-CHANGES = ("moved", "missing")
 ROOMS = ("kitchen", "office")
 PROBABILITIES = (0.35, 0.6, 0.9)
 minutes = st.integers(-6, 12).map(lambda n: n * 20.0)
@@ -92,6 +92,13 @@ def slices(draw: st.DrawFn) -> TimeSlice:
     return TimeSlice(start, at(high) if start is None or draw(st.booleans()) else None)
 
 
+def plain_terms() -> st.SearchStrategy[ObjectTerm]:
+    """Draw what else will do, or what a thing must not be."""
+    looks = st.lists(st.sampled_from(("red", "big")), max_size=1).map(tuple)
+    owner = st.none() | st.just("anna")
+    return st.builds(ObjectTerm, st.sampled_from(WORDS), attributes=looks, owner=owner)
+
+
 @st.composite
 def terms(draw: st.DrawFn, var: str, *, deep: bool = True) -> ObjectTerm:
     """Draw what is asked for, with looks, an owner, a number or what it stands by."""
@@ -103,6 +110,8 @@ def terms(draw: st.DrawFn, var: str, *, deep: bool = True) -> ObjectTerm:
     owner = draw(st.none() | st.sampled_from(("me", "anna")))
     quantity = draw(st.none() | st.integers(1, 3)) if draw(st.integers(0, 4)) == 0 else None
     denied = draw(st.sampled_from(("me", "anna"))) if draw(st.integers(0, 4)) == 0 else None
+    several = 2 if draw(st.integers(0, 4)) == 0 else 0
+    others = st.lists(plain_terms(), max_size=several).map(tuple)
     return ObjectTerm(
         {"mug": "cup"}.get(word, word),
         word,
@@ -114,6 +123,8 @@ def terms(draw: st.DrawFn, var: str, *, deep: bool = True) -> ObjectTerm:
         var,
         "least" if quantity is None else draw(st.sampled_from(BOUNDS)),
         None if owner else denied,
+        draw(others),
+        draw(others),
     )
 
 
@@ -124,19 +135,19 @@ def queries(draw: st.DrawFn) -> FormalQuery:
     number = 1 if relation is None else draw(st.integers(1, 3))  # cups together
     time = draw(st.none() | slices())
     place = draw(st.none() | st.sampled_from((*ROOMS, "attic")))
+    ask = draw(st.sampled_from(ASKS))
+    negated = draw(st.booleans()) if draw(st.integers(0, 3)) == 0 else False
     return FormalQuery(
         "drawn",
         "Q2" if relation else "Q3" if time else "Q1",
-        draw(
-            st.sampled_from(
-                ("whether", "where", "when", "what", "count", "how_long", "how_often", *CHANGES)
-            )
-        ),
+        ask,
         tuple(draw(terms(var)) for var in "xyz"[:number]),
         relation,
         place,
         time,
         draw(st.sampled_from(("last", "first", "all", "usual"))),
-        draw(st.booleans()) if draw(st.integers(0, 3)) == 0 else False,
+        negated,
         place is not None and draw(st.integers(0, 3)) == 0,
+        (draw(st.sampled_from(ROOMS)),) if place and draw(st.integers(0, 3)) == 0 else (),
+        negated and ask == "whether" and bool(relation or place) and draw(st.booleans()),
     )
