@@ -105,15 +105,20 @@ class LookSpace:
 
 
 def cosines(looks: Features, units: Features, rows: NDArray[np.intp]) -> Floats:
-    """Return the products (n, k) of looks (n, d) with some rows (k,) of others (m, d).
+    """Return the products (n, k) of looks (n, d) with some rows (k,) of others (m, d)."""
+    return products(looks, units[rows])
+
+
+def products(looks: Features, others: Features) -> Floats:
+    """Return the products (n, m) of looks (n, d) with others (m, d).
 
     In parts so small that one thread does them.
     """
     step = max(1, THREADED // max(looks.size, 1))
-    if len(rows) <= step:
-        return (looks @ units[rows].T).astype(np.float64)
-    found = np.empty((len(looks), len(rows)))
-    for start in range(0, len(rows), step):
+    if len(others) <= step:
+        return (looks @ others.T).astype(np.float64)
+    found = np.empty((len(looks), len(others)))
+    for start in range(0, len(others), step):
         part = slice(start, start + step)
-        found[:, part] = looks @ units[rows[part]].T
+        found[:, part] = looks @ others[part].T
     return found

@@ -158,28 +158,17 @@ class Memory:
         self.looks = Looks()
         self._asleep: dict[int, Sleeper] = {}
         """By number, what left first before."""
-        self._of_kind: dict[str, dict[int, Known]] = {}
-        self._kind_of: dict[int, str] = {}
         self._touched: set[int] = set()
-        """Things whose category may not be the one they are found under, by number."""
+        """Numbers of the things that came, left or changed since they were taken last."""
 
     def touch(self, thing: Known) -> None:
-        """Note that a thing came, left or was named, so that its category may be another now."""
+        """Note that a thing came, left or was named: its category or place may be another now."""
         self._touched.add(thing.number)
 
-    def of_kind(self, category: str) -> list[Known]:
-        """Return the things of a category, by number."""
-        for number in self._touched:
-            was = self._kind_of.pop(number, None)
-            if was is not None:
-                del self._of_kind[was][number]
-            thing = self.things.get(number)
-            if thing is not None:
-                self._kind_of[number] = thing.category
-                self._of_kind.setdefault(thing.category, {})[number] = thing
-        self._touched.clear()
-        known = self._of_kind.get(category, {})
-        return [known[number] for number in sorted(known)]
+    def take_touched(self) -> set[int]:
+        """Return the numbers of the things that were touched since the last call."""
+        touched, self._touched = self._touched, set()
+        return touched
 
     def add(self, thing: Known) -> None:
         """Take in a thing, whose look and places are to follow."""

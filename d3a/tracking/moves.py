@@ -22,9 +22,10 @@ from d3a.sightings import Became, entry_name
 from d3a.store.base import StayKey
 from d3a.tracking.absence import SURE_SEEN, Absence
 from d3a.tracking.arrivals import CAME_MOST
+from d3a.tracking.kinds import Kind, Kinds
 from d3a.tracking.known import Known, Place
 from d3a.tracking.likelihood import SAME, LookModel
-from d3a.tracking.look_space import LookSpace, cosines
+from d3a.tracking.look_space import LookSpace, products
 from d3a.tracking.memory import Memory
 
 Floats = NDArray[np.float64]
@@ -48,8 +49,6 @@ from which a thing may be elsewhere, whatever it looks like. A link needs one of
 TOLD = GONE_MOST + 3.0
 """Evidence of absence from which a further look in vain tells nothing: it counted for the most
 before, as no look tells more than 3."""
-Last = tuple[Known, Place]
-"""A thing, and the place where it was seen last."""
 Pair = tuple[Known, int]
 """What may be a move: what turned up, and where in `Kind.lasts` what left is."""
 Came = Callable[[Known], float]
@@ -66,17 +65,15 @@ class Link:
 
 
 @dataclass(frozen=True, slots=True)
-class Kind:
+class Asked:
     """A category while its moves are looked for.
 
-    lasts: its confirmed things by number, with the place that each was seen at last; fresh: those
-    that turned up. looks: by number of a fresh one, the log-odds of its look against those of
-    `lasts`. brought: log-odds that a certain one of `lasts` came. arrivals: what is known of them,
-    by number, as it is asked for.
+    looks: by number of a fresh one, the log-odds of its look against those of `kind.lasts`.
+    brought: log-odds that a certain one of these came. arrivals: what is known of them, by number,
+    as it is asked for.
     """
 
-    lasts: list[Last]
-    fresh: list[Known]
+    kind: Kind
     looks: dict[int, list[float]]
     brought: float
     arrivals: dict[int, float] = field(default_factory=dict)
@@ -98,6 +95,7 @@ class Moves:
         self._space = space
         self._looks = looks
         self._parameters = parameters
+        self._kinds = Kinds(memory, parameters.confirm_sightings)
         self.others: dict[str, list[float]] = {}
         """By category (BINS,): how often two different things of it were so much alike."""
         self.compared: set[int] = set()
@@ -111,108 +109,96 @@ class Moves:
         changed: numbers of the things that were seen, or missed, since the last call; a move has
         one of them at either end. By the numbers of the new and the old.
         """
-        kinds = {name: self._lasts(name) for name in self._kinds(changed)}
-        for lasts, fresh in kinds.values():
-            self._compare([new for new in fresh if new.number not in self.compared], lasts)
+        kinds = {name: self._kinds.of(name) for name in self._names(changed)}
+        for kind in kinds.values():
+            if not kind.is_compared:
+                self._compare(kind)
         links: list[Link] = []
-        for name, (lasts, fresh) in kinds.items():
-            pairs = [
-                (new, k)
-                for k, (old, place) in enumerate(lasts)
-                if place.misses > 0
-                for new in fresh
-                if place.last_ms < new.first_ms
-                and new is not old
-                and (new.number in changed or (old.number in changed and place.evidence < TOLD))
-            ]
-            if pairs:
+        for name, kind in kinds.items():
+            if pairs := _pairs(kind, changed):
                 # Any other of the category may have come, or one that is not known.
-                brought = self._parameters.move_odds - math.log(len(lasts) - 1)
-                kind = Kind(lasts, fresh, self._looks_of(fresh, lasts, name), brought)
-                links += [link for pair in pairs if (link := self._link(kind, *pair)) is not None]
+                brought = self._parameters.move_odds - math.log(len(kind.lasts) - 1)
+                asked = Asked(kind, self._looks_of(kind, name), brought)
+                links += [link for pair in pairs if (link := self._link(asked, *pair)) is not None]
         return sorted(links, key=lambda link: (link.new.number, link.old.number))
 
-    def _kinds(self, changed: set[int]) -> list[str]:
+    def _names(self, changed: set[int]) -> list[str]:
         """Return the categories of the confirmed ones of the changed things."""
         least = self._parameters.confirm_sightings
         known = (self._memory.things.get(number) for number in changed)
         return sorted({t.category for t in known if t is not None and t.seen >= least})
 
-    def _lasts(self, kind: str) -> tuple[list[Last], list[Known]]:
-        """Return the confirmed things of a category, and those of them that turned up."""
-        least = self._parameters.confirm_sightings
-        lasts = [(t, t.latest) for t in self._memory.of_kind(kind) if t.seen >= least]
-        return lasts, [t for t, place in lasts if _is_unexplained(t, place)]
-
-    def _link(self, kind: Kind, new: Known, k: int) -> Link | None:
+    def _link(self, asked: Asked, new: Known, k: int) -> Link | None:
         """Return the move to a fresh thing from the last place of `lasts[k]`, if it is plain.
 
         Against all that either end may be instead. What may be known of arrivals is dear, and
         nearly no move is plain at its best, so the best that it can be is asked for first.
         """
-        old, place = kind.lasts[k]
-        least, look = self._parameters.move_probability, kind.looks[new.number][k]
-        if self._odds(kind, new, k, _surely_brought) * (1.0 - least) < least:
+        least, look = self._parameters.move_probability, asked.looks[new.number][k]
+        if look < LOOK_LEAST or self._odds(asked, new, k, _surely_brought) * (1.0 - least) < least:
             return None
+        lasts = asked.kind.lasts
+        old, place = lasts[k]
         left = place.evidence >= LEFT_LEAST and old.seen >= SURE_SEEN
         if not left and look < PLAIN_LOOK:
             return None
         # what nobody looked for may have left too
         rivals = [
-            (new, j) for j, (other, at) in enumerate(kind.lasts)
+            (new, j) for j, (other, at) in enumerate(lasts)
             if at.last_ms < new.first_ms and j != k and other is not new
         ] + [
-            (each, k) for each in kind.fresh
+            (each, k) for each in asked.kind.fresh
             if place.last_ms < each.first_ms and each is not old and each is not new
         ]  # fmt: skip
-        if self._chance(kind, (new, k), rivals, _surely_brought, _never_brought) < least:
+        if self._chance(asked, (new, k), rivals, _surely_brought, _never_brought) < least:
             return None
 
         def came(thing: Known) -> float:
-            if thing.number not in kind.arrivals:
-                kind.arrivals[thing.number] = self._absence.came(thing.places[0])
-            return kind.arrivals[thing.number]
+            if thing.number not in asked.arrivals:
+                asked.arrivals[thing.number] = self._absence.came(thing.places[0])
+            return asked.arrivals[thing.number]
 
-        chance = self._chance(kind, (new, k), rivals, came, came)
+        chance = self._chance(asked, (new, k), rivals, came, came)
         return Link(old, new, chance) if chance >= least else None
 
     def _chance(
-        self, kind: Kind, pair: Pair, rivals: list[Pair], came: Came, others_came: Came
+        self, asked: Asked, pair: Pair, rivals: list[Pair], came: Came, others_came: Came
     ) -> float:
         """Return how likely a pair is a move, and no rival is."""
-        own = self._odds(kind, *pair, came)
-        return own / (1.0 + own + sum(self._odds(kind, *each, others_came) for each in rivals))
+        own = self._odds(asked, *pair, came)
+        return own / (1.0 + own + sum(self._odds(asked, *each, others_came) for each in rivals))
 
-    def _odds(self, kind: Kind, new: Known, k: int, came: Came) -> float:
+    def _odds(self, asked: Asked, new: Known, k: int, came: Came) -> float:
         """Return the odds that a fresh thing is that of `lasts[k]`, moved; it rises with `came`."""
-        look = kind.looks[new.number][k]
+        look = asked.looks[new.number][k]
         if look < LOOK_LEAST:
             return 0.0
-        odds, prior = look + min(kind.lasts[k][1].evidence, GONE_MOST), kind.brought
+        odds, prior = look + min(asked.kind.lasts[k][1].evidence, GONE_MOST), asked.brought
         if odds + prior > -CAME_MOST:  # else it is neither a link, nor much of a rival to one
             prior += came(new)
         if look >= PLAIN_LOOK:
             prior = max(prior, self._parameters.alike_odds)
         return math.exp(min(odds + prior, 50.0))
 
-    def _looks_of(self, fresh: list[Known], lasts: list[Last], kind: str) -> dict[int, list[float]]:
+    def _looks_of(self, kind: Kind, name: str) -> dict[int, list[float]]:
         """Return the log-odds of the looks of things, by number of a fresh one and in their order.
 
         Minus infinity where one is unknown.
         """
-        things = [thing for thing, _ in lasts]
+        things = [thing for thing, _ in kind.lasts]
         if self._memory.looks.length == 0:
-            return {new.number: [-math.inf] * len(things) for new in fresh}
+            return {new.number: [-math.inf] * len(things) for new in kind.fresh}
         units = self._memory.looks.units(things, self._space)
         known = np.array([thing.look_weight > 0 for thing in things])
         row = {thing.number: k for k, thing in enumerate(things)}
-        at = np.array([row[new.number] for new in fresh])
-        likeness = cosines(units[at], units, np.arange(len(things)))
+        at = np.array([row[new.number] for new in kind.fresh])
+        likeness = products(units[at], units)
         # Means vary less than the views that are compared with them.
         usual = math.sqrt(max(self._looks.mean(SAME), 0.0))
-        told = np.log(_same(likeness - usual) / self._densities(kind)[_bins(likeness)])
-        told[~(known[at][:, None] & known)] = -math.inf
-        return dict(zip((new.number for new in fresh), told.tolist(), strict=True))
+        told = np.log(_same(likeness - usual) / self._densities(name)[_bins(likeness)])
+        if not known.all():
+            told[~(known[at][:, None] & known)] = -math.inf
+        return dict(zip((new.number for new in kind.fresh), told.tolist(), strict=True))
 
     def _likeness(self, one: Known, others: list[Known]) -> Floats:
         """Return the cosines of a thing with those of some others whose looks are known."""
@@ -222,11 +208,14 @@ class Moves:
         looks = self._memory.looks
         return np.asarray(looks.units(known, self._space) @ looks.unit(one, self._space))
 
-    def _compare(self, fresh: list[Known], lasts: list[Last]) -> None:
+    def _compare(self, kind: Kind) -> None:
         """Learn from those that were seen elsewhere since: they are other things."""
-        for new in fresh:
+        kind.is_compared = True
+        for new in kind.fresh:
+            if new.number in self.compared:
+                continue
             self.compared.add(new.number)
-            others = [o for o, _ in lasts if o.last_ms >= new.first_ms and o is not new]
+            others = [o for o, _ in kind.lasts if o.last_ms >= new.first_ms and o is not new]
             if others:
                 self._dense.clear()
                 counts = self.others.setdefault(new.category, [0.0] * BINS)
@@ -285,9 +274,22 @@ def _bins(likeness: Floats) -> NDArray[np.intp]:
     return np.asarray(((likeness + 1.0) / 2.0 * BINS).astype(np.intp).clip(0, BINS - 1))
 
 
-def _is_unexplained(thing: Known, place: Place) -> bool:
-    """Say whether it turned up at one place and is not known from another."""
-    return len(thing.places) == 1 and place.moved_from is None and not thing.names
+def _pairs(kind: Kind, changed: set[int]) -> list[Pair]:
+    """Return what may be a move of a category, with one of the changed things at either end."""
+    fresh = [(new, new.first_ms, new.number in changed) for new in kind.fresh]
+    newest = max((first_ms for _, first_ms, _ in fresh), default=0)
+    pairs: list[Pair] = []
+    for k, (old, place) in enumerate(kind.lasts):
+        last_ms = place.last_ms
+        if place.misses == 0 or last_ms >= newest:
+            continue
+        is_missed = old.number in changed and place.evidence < TOLD
+        pairs += [
+            (new, k)
+            for new, first_ms, is_changed in fresh
+            if last_ms < first_ms and (is_missed or is_changed) and new is not old
+        ]
+    return pairs
 
 
 def apply_link(link: Link, memory: Memory, ledger: Ledger, parameters: Parameters) -> Became:

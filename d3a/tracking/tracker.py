@@ -287,7 +287,10 @@ class TrackerPipeline:
     def take_names(self, taught: Mapping[str, tuple[TaughtName, ...]]) -> None:
         """Learn the names of objects, by id: what has a name is not made part of another."""
         for thing in self._recall.things():
-            thing.names = taught.get(thing.object_id, ())
+            names = taught.get(thing.object_id, ())
+            if names != thing.names:
+                thing.names = names
+                self._memory.touch(thing)
 
     def take_constraints(self, constraints: Constraints) -> None:
         """Keep what people said from here on."""

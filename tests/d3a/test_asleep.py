@@ -8,6 +8,7 @@ import pytest
 from d3a.ingest import ingest
 from d3a.model import Detection, Frame, Pose
 from d3a.parameters import DEFAULT
+from d3a.tracking.kinds import Kinds
 from d3a.tracking.known import Known, Place
 from d3a.tracking.memory import Memory, Whole
 from d3a.tracking.positions import Row
@@ -84,7 +85,8 @@ def test_things_that_sleep_keep_all_their_numbers() -> None:
             row = Row.of((x, y, z), (-x, y, z), error, (0.0, 0.0), DEFAULT)
             memory.positions.add([(thing, place, row)])
     before = {whole.thing.number: whole for whole in memory.wholes()}
-    kinds = ("bowl", "cup", "mug")
+    names = ("bowl", "cup", "mug")
+    kinds = Kinds(memory, 1)
     for _ in range(20):  # they leave and come in any order
         laid = rng.permutation(80)[:30].tolist()
         memory.lay([memory.things[number] for number in laid])
@@ -96,11 +98,16 @@ def test_things_that_sleep_keep_all_their_numbers() -> None:
         assert_same(before, memory)
         memory.wake(rng.permutation(laid).tolist())
         for number in rng.permutation(80)[:9].tolist():
-            memory.things[number].vote(kinds[number % 3], 2.0)
+            memory.things[number].vote(names[number % 3], 2.0)
             memory.touch(memory.things[number])
-        for kind in kinds:
-            of_kind = [n for n, thing in sorted(memory.things.items()) if thing.category == kind]
-            assert [thing.number for thing in memory.of_kind(kind)] == of_kind
+            memory.things[number].seen += 1
+        for name in names:
+            listed = [
+                thing
+                for _, thing in sorted(memory.things.items())
+                if thing.category == name and thing.seen >= 1
+            ]
+            assert [thing for thing, _ in kinds.of(name).lasts] == listed
     memory.lay([memory.things[7], memory.things[41]])
     memory.forget_sleepers([41])
     assert len(memory.looks.owners) == 79

@@ -12,11 +12,12 @@ from hypothesis import strategies as st
 from d3a.parameters import DEFAULT
 from d3a.tracking.absence import Absence
 from d3a.tracking.arrivals import CAME_MOST
+from d3a.tracking.kinds import Kind
 from d3a.tracking.known import Known, Place
 from d3a.tracking.likelihood import LookModel
 from d3a.tracking.look_space import LookSpace
 from d3a.tracking.memory import Memory
-from d3a.tracking.moves import BINS, LEFT_LEAST, PLAIN_LOOK, Kind, Moves
+from d3a.tracking.moves import BINS, LEFT_LEAST, PLAIN_LOOK, Asked, Moves
 
 LEAST = DEFAULT.move_probability
 ALIKE, UNLIKE = int(0.95 * BINS), int(0.6 * BINS)
@@ -96,23 +97,18 @@ def test_what_is_learned_of_others_counts_at_once() -> None:
     new = _thing(memory, 1, [1.0, 0.0, 0.0], 1000, 3000)
     before = moves._densities("bag")
     assert np.array_equal(moves._densities("bag"), before)
-    moves._compare(
-        [new], [(old, old.places[0]), (new, new.places[0])]
-    )  # both were seen since: two of them look just alike
+    # both were seen since: two of them look just alike
+    moves._compare(Kind([(old, old.places[0]), (new, new.places[0])], [new]))
     assert moves._densities("bag")[-1] > before[-1]
 
 
 def _plain(moves: Moves, came: dict[int, float]) -> list[tuple[int, int]]:
     """Return the moves by the definition alone: every pair against every rival of it."""
-    things = moves._memory.of_kind("bag")
-    kind = Kind(
-        lasts=[(thing, thing.latest) for thing in things],
-        fresh=things,
-        looks=moves._looks_of(things, [(thing, thing.latest) for thing in things], "bag"),
-        brought=DEFAULT.move_odds - math.log(len(things) - 1),
-    )
+    things = [moves._memory.things[number] for number in sorted(moves._memory.things)]
+    kind = Kind([(thing, thing.latest) for thing in things], things)
+    asked = Asked(kind, moves._looks_of(kind, "bag"), DEFAULT.move_odds - math.log(len(things) - 1))
     odds = {
-        (new.number, old.number): moves._odds(kind, new, k, lambda thing: came[thing.number])
+        (new.number, old.number): moves._odds(asked, new, k, lambda thing: came[thing.number])
         for new in things
         for k, (old, place) in enumerate(kind.lasts)
         if new is not old and place.last_ms < new.first_ms
@@ -120,7 +116,7 @@ def _plain(moves: Moves, came: dict[int, float]) -> list[tuple[int, int]]:
     found = []
     for (new, old), own in odds.items():
         k = next(k for k, thing in enumerate(things) if thing.number == old)
-        sure = kind.lasts[k][1].evidence >= LEFT_LEAST or kind.looks[new][k] >= PLAIN_LOOK
+        sure = kind.lasts[k][1].evidence >= LEFT_LEAST or asked.looks[new][k] >= PLAIN_LOOK
         others = sum(each for (n, o), each in odds.items() if (n == new) != (o == old))
         if sure and kind.lasts[k][1].misses and own / (1 + own + others) >= LEAST:
             found.append((new, old))
@@ -140,7 +136,7 @@ def test_the_moves_are_those_that_every_rival_leaves_plain(seed: int) -> None:
         place, came[number] = thing.places[0], float(rng.uniform(0, CAME_MOST))
         place.misses, place.evidence = int(rng.integers(0, 3)), float(rng.uniform(0, 9))
         moves.compared.add(number)
-    numbers = {id(thing.places[0]): thing.number for thing in moves._memory.of_kind("bag")}
+    numbers = {id(thing.places[0]): thing.number for thing in moves._memory.things.values()}
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(moves._absence, "came", lambda place: came[numbers[id(place)]])
         found = [(link.new.number, link.old.number) for link in moves.find(set(came))]
