@@ -1,12 +1,15 @@
-"""What `it` means after a statement that is no question: the thing the statement is about."""
+"""What `it` means: after a statement the thing that it is about, else perhaps nothing at all."""
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 from grammar import scope, tagger, timespan
 from grammar.cursor import Tag
 from grammar.forms import ANYTHING, ObjectTerm
 from grammar.nouns import Attribute, Noun
 from grammar.nountags import PEOPLE
+from grammar.phrases import place_follows
 from grammar.vocabulary import Lexicon
 from grammar.words import Word
 
@@ -25,6 +28,23 @@ def spoken_of(words: list[Word], lexicon: Lexicon) -> ObjectTerm | None:
     led = [(i, noun) for i, noun in things if i and tags[i - 1].type in ("DET", "OWNER", "ATTR")]
     chosen = known[:1] or led[-1:]
     return _term(tags, *chosen[0]) if chosen else None
+
+
+def there(words: list[Word]) -> list[Word]:
+    """Return the words with an `it` that means no thing as there: `is it a cup on the table`."""
+    opening = tuple(w.text for w in words[:3])
+    if opening[:2] not in _IT_IS or opening[2:] not in _SOME:
+        return words
+    if not any(place_follows(words, k) for k in range(4, len(words))):
+        return words
+    verb, it = sorted(words[:2], key=lambda w: w.text == "it")
+    being = replace(verb, text=_BEING.get(verb.text, verb.text))
+    return [being, replace(it, text="there"), *words[2:]]
+
+
+_IT_IS = (("is", "it"), ("was", "it"), ("it", "is"), ("it", "was"), ("has", "it"), ("it", "has"))
+_SOME = (("a",), ("an",), ("any",), ("some",), ("no",))
+_BEING = {"has": "is"}
 
 
 def _span(time: timespan.Found) -> tuple[int, int]:

@@ -12,6 +12,7 @@ from datetime import datetime
 from typing import TypeVar
 
 from grammar import asides, respelling, speech, spelling
+from grammar.cutting import sentences
 from grammar.errors import Ambiguous, QuestionError
 from grammar.forms import Correction, FormalQuery
 from grammar.reading import Reading, capped
@@ -78,7 +79,7 @@ def read(
 
 def _plain(words: list[Word], lex: Lexicon) -> list[list[Word]]:
     """Return the sentences in plain words."""
-    return _opened(speech.sentences(words), lex)
+    return _opened(sentences(words), lex)
 
 
 def _opened(spoken: list[list[Word]], lex: Lexicon) -> list[list[Word]]:

@@ -8,7 +8,7 @@ from functools import lru_cache
 from itertools import takewhile
 from typing import Any
 
-from grammar import antecedent, lalr, purpose, scope, speech, tagger, timespan
+from grammar import antecedent, cutting, lalr, purpose, scope, speech, tagger, timespan
 from grammar.cursor import TIME_GAP, Tagged
 from grammar.errors import Ambiguous, NotUnderstood, OutOfScope, QuestionError
 from grammar.forms import ANYTHING, FormalQuery, ObjectTerm, TimeSlice
@@ -114,11 +114,12 @@ class Reading:
 
     def again(self, text: str) -> FormalQuery:
         """Read another spelling of the text, its times said in another way."""
-        plain = [speech.plain(words, self.lexicon) for words in speech.sentences(split(text))]
+        plain = [speech.plain(words, self.lexicon) for words in cutting.sentences(split(text))]
         return replace(self, text=text).of(plain)
 
     def terminals(self, words: list[Word], it: ObjectTerm | None) -> Terminals:
         """Take the times out and type the words; raises what the words alone give away."""
+        words = words if it is not None else antecedent.there(words)
         times = timespan.find([w.text for w in words])
         rest, present = words, False
         slice_: TimeSlice | None = None

@@ -8,7 +8,6 @@ from __future__ import annotations
 from dataclasses import replace
 
 from grammar import numbers, stutters, timespan
-from grammar import timewords as tw
 from grammar.closed import is_open, words_of
 from grammar.corrections import HESITATING, corrected
 from grammar.nountags import KIN
@@ -19,108 +18,6 @@ from grammar.words import Word
 
 SEEK = "<seek>"
 """Stands for "I am looking for" and its like at the start of a question."""
-_ENDS = frozenset("?!.;")
-_TITLES = ("mr", "mrs", "ms", "dr", "prof", "st")
-_ABBREVIATIONS = frozenset((*tw.MONTH_SHORT, *tw.WEEKDAY_SHORT))
-
-
-def sentences(words: list[Word]) -> list[list[Word]]:
-    """Cut the words at full stops and question marks; the dot of `oct.` is no full stop."""
-    found: list[list[Word]] = [[]]
-    for i, word in enumerate(words):
-        if word.text == "." and i and _dotted(words, i):
-            continue
-        if word.text in _ENDS:
-            found.append([])
-        else:
-            pause = word.text == ":" or (word.text == "-" and _breaks_off(words, i))
-            found[-1].append(replace(word, text=",") if pause else word)
-    return [part for sentence in found if sentence for part in _parted(sentence)]
-
-
-def _breaks_off(words: list[Word], i: int) -> bool:
-    """Whether the dash at `i` stands beside a mark of correction: the cup - no - the bowl."""
-    marks = sections()["correction"]
-    return marks.at(words, i + 1) > 0 or marks.ending(words[max(0, i - 3) : i]) > 0
-
-
-def _dotted(words: list[Word], i: int) -> bool:
-    """Whether the dot at `i` belongs to a date or a title: `oct.`, `16. nov`, `mrs. hall`."""
-    before = words[i - 1].text
-    after = words[i + 1].text if i + 1 < len(words) else ""
-    if before in _ABBREVIATIONS or (before in _TITLES and after):
-        return True
-    month_and_day = before in tw.MONTH_NUMBER and after[:1].isdecimal()
-    return month_and_day or (before.isdecimal() and after in tw.MONTH_NUMBER)
-
-
-def _parted(words: list[Word]) -> list[list[Word]]:
-    """Part a reason said first from its question: `i lost my wallet can you help me find it`."""
-    seen = len(words) > 2 and words[-2].text in phrases().verbs
-    if seen and words[-1].text in ("her", "him"):  # a cat, or what else has been named
-        words = [*words[:-1], replace(words[-1], text="it")]
-    texts = [w.text for w in words]
-    pause = _pause(texts)
-    if pause:
-        return [words[:pause], *_parted(words[pause + 1 :])]
-    dislocated = texts[-1] in ("it", "they", "them") and texts[0] not in QUESTION_STARTS
-    owned = texts[0].endswith("'s")
-    pointing = (texts[0] in _POINTING or owned) and not dislocated
-    if texts[0] not in _STATING and not dislocated and not pointing:
-        return [words]
-    for i in range(1 if dislocated else 2, len(texts) - 2):
-        starts = tuple(texts[i : i + 2])
-        asked = starts[0] in QUESTION_WORDS and starts[1] in _ASKING_VERBS
-        pronoun = starts[0] in AUXILIARIES and starts[1] in _ASKED_SUBJECTS
-        if pointing and not (pronoun or (asked and texts[i + 2] in _ASKED_SUBJECTS)):
-            continue  # this cup where was it
-        if (asked or pronoun or starts in _ASKED) and texts[i - 1] not in _TELLING:
-            return [words[:i], words[i:]]
-    return [words]
-
-
-def _pause(texts: list[str]) -> int:
-    """Return where a comma parts a statement from a question, 0 for nowhere.
-
-    A time or a place before the comma belongs to the question: `yesterday, where was my cup`.
-    """
-    for i in range(2, len(texts) - 3):
-        if texts[i] != "," or not _asks_at(texts, i + 1):
-            continue
-        if texts[0] in QUESTION_STARTS:
-            about_it = texts[i + 1] in AUXILIARIES and texts[i + 2] in ("it", "they")
-            if not about_it or texts[i + 3] == "not":
-                continue
-        times = timespan.find(texts[:i])
-        if not (times and times[0].first <= 1 and times[-1].last == i):
-            return i
-    return 0
-
-
-def _asks_at(texts: list[str], i: int) -> bool:
-    """Whether a question starts at `i`: where is, how can, is it, have you."""
-    first, second = texts[i], texts[i + 1]
-    if first in QUESTION_WORDS:
-        return second in _ASKING_VERBS
-    return first in AUXILIARIES and second in (*_ASKED_SUBJECTS, "you", "there", "i", "we")
-
-
-_STATING = words_of("i we my our there it he she they")
-_POINTING = words_of("this these those that your a the")
-_ASKING_VERBS = AUXILIARIES | words_of("might may must would")
-_ASKED_SUBJECTS = ("it", "they")
-_ASKED = (
-    ("is", "there"),
-    ("are", "there"),
-    ("have", "you"),
-    ("did", "you"),
-    ("can", "you"),
-    ("could", "you"),
-    ("do", "you"),
-)
-_TELLING = words_of(
-    "know remember forgot forget recall tell wonder sure wondering idea of about and or"
-)
 
 
 def plain(words: list[Word], lexicon: Lexicon) -> list[Word]:

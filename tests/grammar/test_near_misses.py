@@ -73,3 +73,23 @@ def test_states_and_doings_are_out_of_scope(text: str) -> None:
 def test_an_owner_alone_is_no_thing(text: str) -> None:
     with pytest.raises(QuestionError):
         parse(text, now=NOW)
+
+
+@pytest.mark.parametrize(
+    ("said", "plainly"),
+    [
+        ("is it a jar on the bench", "is there a jar on the bench"),
+        ("it is a jar on the bench?", "is there a jar on the bench"),
+        ("has it any dog in the kitchen?", "is there any dog in the kitchen"),
+        ("hi can you help me i lost my rake where is it", "where is my rake"),
+        ("hello robot i lost my gloves have you seen them", "have you seen my gloves"),
+    ],
+)
+def test_words_that_say_nothing_do_not_stand_in_the_way(said: str, plainly: str) -> None:
+    assert alike(said, plainly)
+
+
+def test_an_it_with_a_meaning_keeps_it() -> None:
+    assert parse("Where is my jar? It is a red one.", now=NOW).ask == "where"
+    with pytest.raises(OutOfScope):
+        parse("is it a jar", now=NOW)
