@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from grammar import numbers
 from grammar import timewords as tw
 from grammar.adjectives import describes
 from grammar.closed import is_open, words_of
 from grammar.cursor import DETERMINERS, OWNED, OWNERS, TIME_GAP, Cursor
 from grammar.forms import ANYTHING
-from grammar.nouns import PREDICATES, Attribute, Noun, Pattern
+from grammar.nouns import PREDICATES, Attribute, Described, Noun, Pattern
 from grammar.phrases import SUBJECT_OF, phrases, place_follows, stands_at
 
 _SUBJECTS = ("i", "we", "you", "he", "she", "they")
@@ -92,9 +94,10 @@ class ClauseTagger(Cursor):
         k += 1
         while self._text(k) in _AUXILIARY or self._text(k) in _BEFORE_VERB:
             k += 1
-        if self._text(k) not in phrases().verbs and not is_open(self._text(k)):
+        had = self._text(k - 1) in ("have", "had", "has") and self._seen_at(k)
+        if not had and self._text(k) not in phrases().verbs and not is_open(self._text(k)):
             return False
-        self.i = k + 1
+        self.i = k + (not had)
         if self._text(self.i) in ("around", "about", "in", "on", "with") and self.i + 1 == len(
             self.words
         ):
@@ -291,3 +294,22 @@ class ClauseTagger(Cursor):
         """Return the word for a pattern that a thing has: stripes make it striped."""
         patterns = self.lexicon.patterns
         return patterns.get(noun) or patterns.get(noun.rpartition(" ")[2])
+
+    def _one_at(self, k: int) -> list[Described]:
+        """Return what describes the `one` at `k`: the small silk one; empty where none stands."""
+        end = k
+        while self._open_at(end):
+            end += 1
+        if self._text(end) not in ("one", "ones") or end == k:
+            return []
+        thing = replace(self.words[end], text="thing")
+        found = self.reader.read([*self.words[:end], thing], k)[:-1]
+        return found if all(isinstance(what, Attribute) for what, _, _ in found) else []
+
+    def _say_one(self, kind: str, k: int) -> None:
+        """Emit `kind` for the determiner here, and what describes the `one` at `k`."""
+        found = self._one_at(k)
+        self._emit(kind, 0, k - self.i)
+        for what, _, last in found:
+            self._emit("ATTR", what, last - self.i)
+        self.i += 1

@@ -22,6 +22,7 @@ PICTURES = words_of(
     "detection appearance occurrence"
 )
 """What a memory keeps of things: the things themselves are asked for."""
+_OPENINGS = words_of("door doorway window gate entrance")
 _PLACE_WORDS = words_of("in at inside from within into to around of throughout across on")
 ON_PLACES = frozenset(
     (
@@ -92,14 +93,22 @@ class NounTagger(ClauseTagger):
         return True
 
     def _outside(self) -> bool:
-        """Read outside the kitchen, outside of it, as not in it."""
+        """Read outside the kitchen, the box, as not in it, and outside the door as near it."""
         k = self.i + 1 + (self._text(self.i + 1) == "of")
         while self._text(k) in DETERMINERS or self._text(k) in OWNERS:
             k += 1
         place, end = self._place_at(k)
         if place:
             self._emit("NOT_AT_PLACE", place, end - self.i)
-        return bool(place)
+            return True
+        if not self._open_at(k) or k == self.i + 1:
+            return False  # outside lights
+        head = self.lexicon.singular(self._text(self.reader.read(self.words, k)[-1][2] - 1))
+        if head in _OPENINGS:
+            self._emit("REL", "near", k - self.i)
+        else:
+            self._emit("THAT_NOT_REL", "in", k - self.i)
+        return True
 
     def _place_has(self) -> bool:
         """Read does the kitchen have an island, how many windows does the hall have."""
@@ -176,6 +185,9 @@ class NounTagger(ClauseTagger):
             self._emit("_THAT_IS_NOT", 0, 1)  # not belonging to anna, not mine
             return belonging or self._belongs(k)
         if self._text(k) in DETERMINERS or self._text(k) in OWNERS:
+            if after_noun and self._one_at(k + 1):
+                self._say_one("_EXCEPT", k + 1)
+                return True
             if after_noun and self._contrasted(k + 1):
                 self._emit("_EXCEPT", 0, 1)
                 return True
@@ -250,6 +262,8 @@ class NounTagger(ClauseTagger):
         if text == "from" and self._last() == "NOUN" and named:
             self._emit("OWNED", self._text(self.i + 1), 2)  # the phone from anna
             return True
+        if text == "from" and self._last() == "NOUN" and self._sent():
+            return True
         if text == "belonging" and self._text(self.i + 1) == "to":
             return self._belongs(self.i + 2)
         names_plural = text.endswith("s") and text[:-1] in self.lexicon.names
@@ -257,6 +271,21 @@ class NounTagger(ClauseTagger):
             self._emit("OWNER", text[:-1], 1)
             return True
         return False
+
+    def _sent(self) -> bool:
+        """Pass over whom a thing is from, who is no thing himself: from my aunt, from the bank."""
+        k = self.i + 1
+        while self._text(k) in DETERMINERS or self._text(k) in OWNERS:
+            k += 1
+        if not self._open_at(k) or self._place_at(k)[0]:
+            return False
+        last = self.reader.read(self.words, k)[-1][2]
+        head = self._text(last - 1)
+        person = self.lexicon.singular(head) in PEOPLE
+        if not person and self.lexicon.known_noun(head) is not None:
+            return False
+        self.i = last
+        return True
 
     def _full_name(self) -> bool:
         """Take an owner of several words: mrs hall's cane, aunt mary's hat, the desk lamp's shade.

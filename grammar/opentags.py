@@ -125,23 +125,13 @@ class OpenTagger(RelationTagger):
         if self._last() not in ("NOUN", "COMMA"):
             return False
         kinds = [t.type for t in self.out.tags[-2:]]
-        end = self.i + 1
-        while self._open_at(end):
-            end += 1
         if "NOUN" not in (kinds[-1:] if kinds[-1:] != ["COMMA"] else kinds[:1]):
             return False
-        if self._text(end) not in ("one", "ones") or end == self.i + 1:
-            return False
-        thing = replace(self.words[end], text="thing")
-        found = self.reader.read([*self.words[:end], thing], self.i + 1)
-        if not all(isinstance(what, Attribute) for what, _, _ in found[:-1]):
+        if not self._one_at(self.i + 1):
             return False
         if kinds[-1] == "COMMA":
             self.out.tags.pop()
-        self._emit("_THAT_IS", 0, 1)
-        for what, _, last in found[:-1]:
-            self._emit("ATTR", what, last - self.i)
-        self.i = end + 1
+        self._say_one("_THAT_IS", self.i + 1)
         return True
 
     def _numbered(self, size: int) -> bool:

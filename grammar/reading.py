@@ -8,7 +8,7 @@ from functools import lru_cache
 from itertools import takewhile
 from typing import Any
 
-from grammar import antecedent, cutting, lalr, purpose, scope, speech, tagger, timespan
+from grammar import antecedent, cutting, lalr, purpose, scope, speech, tagger, timespan, unseen
 from grammar.cursor import TIME_GAP, Tagged
 from grammar.errors import Ambiguous, NotUnderstood, OutOfScope, QuestionError
 from grammar.forms import ANYTHING, FormalQuery, ObjectTerm, TimeSlice
@@ -156,7 +156,7 @@ class Reading:
             done = queries[0] if len(queries) == 1 else self._as_one(queries, found)
         except MeaningError as error:
             raise self._refused(error, found.words) from error
-        scope.refuse_late(self.text, done, found.words, self.lexicon)
+        unseen.refuse_late(self.text, done, found.words, self.lexicon)
         self._refuse_left_out(done, found)
         return done
 

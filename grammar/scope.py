@@ -9,14 +9,12 @@ from __future__ import annotations
 from functools import lru_cache
 from itertools import pairwise
 
-from grammar import adjectives, speech
-from grammar import timewords as tw
+from grammar import speech
 from grammar.closed import is_open, words_of
 from grammar.cursor import DETERMINERS, OWNERS, PRONOUNS, TIME_GAP, Tagged
 from grammar.errors import NotUnderstood, OutOfScope, QuestionError
-from grammar.forms import ANYTHING, FormalQuery, ObjectTerm
+from grammar.forms import ObjectTerm
 from grammar.nouns import Noun
-from grammar.nountags import KIN
 from grammar.phrases import asks_at_start, phrases
 from grammar.suggestions import suggestions
 from grammar.vocabulary import Lexicon, files
@@ -31,7 +29,8 @@ _WHERE_VERBS = frozenset(["find", "see", "look", "search", "locate"])
 
 
 @lru_cache(maxsize=1)
-def _lists() -> dict[str, frozenset[str]]:
+def lists() -> dict[str, frozenset[str]]:
+    """Return the lists of scope.txt by their headings."""
     return {name: frozenset(lines) for name, lines in files.sections("scope.txt").items()}
 
 
@@ -39,7 +38,7 @@ def _lists() -> dict[str, frozenset[str]]:
 def _openings() -> dict[str, list[tuple[tuple[str, ...], tuple[tuple[str, ...], ...]]]]:
     """Return the openings that are refused by their first word, with what excuses each after it."""
     found: dict[str, list[tuple[tuple[str, ...], tuple[tuple[str, ...], ...]]]] = {}
-    for line in sorted(_lists()["opening"]):
+    for line in sorted(lists()["opening"]):
         opening, _, excuses = line.partition("~")
         goes_on = tuple(tuple(said.split()) for said in files.split(excuses))
         said = tuple(opening.split())
@@ -49,17 +48,17 @@ def _openings() -> dict[str, list[tuple[tuple[str, ...], tuple[tuple[str, ...], 
 
 def spoken() -> tuple[str, ...]:
     """Return every phrase of the scope lists, for spelling to leave alone."""
-    return tuple(phrase for phrases in _lists().values() for phrase in phrases)
+    return tuple(phrase for phrases in lists().values() for phrase in phrases)
 
 
 def doings() -> frozenset[str]:
     """Return common verbs of people's doings."""
-    return _lists()["doing"]
+    return lists()["doing"]
 
 
 def commands() -> frozenset[str]:
     """Return the words that begin an order."""
-    return _lists()["command"]
+    return lists()["command"]
 
 
 def asks(words: list[Word]) -> bool:
@@ -80,27 +79,25 @@ def refuse_early(
     texts = [w.text for w in words]
     hit = _future(texts)
     if hit is not None:
-        raise _out(text, words[hit], "A memory knows the past, not the future", rest, lexicon)
+        raise out(text, words[hit], "A memory knows the past, not the future", rest, lexicon)
     if texts[0] in _ERASING and {*texts[1:2]} & {*DETERMINERS, *OWNERS, "all", "everything"}:
         reason = "It answers questions; the command d3a forget takes things out of the memory"
-        raise _out(text, words[0], reason, rest, lexicon)
+        raise out(text, words[0], reason, rest, lexicon)
     if _commanded(texts, lexicon):
-        raise _out(
-            text, words[0], "It answers questions and carries out no commands", rest, lexicon
-        )
-    if texts[-2:-1] == ["or"] and {texts[-1], *texts[-3:-2]} <= _lists()["state"]:
-        raise _out(text, words[-1], "It knows no states of things", rest, lexicon)
+        raise out(text, words[0], "It answers questions and carries out no commands", rest, lexicon)
+    if texts[-2:-1] == ["or"] and {texts[-1], *texts[-3:-2]} <= lists()["state"]:
+        raise out(text, words[-1], "It knows no states of things", rest, lexicon)
     if texts[0] in ("which", "what") and any(pair in _LEADING for pair in pairwise(texts)):
-        raise _out(text, words[0], "It knows no plan of the building", rest, lexicon)
+        raise out(text, words[0], "It knows no plan of the building", rest, lexicon)
     if _use_asked(texts) or _usable(texts) or _in_sight(texts):
-        raise _out(text, words[0], "A memory of sightings gives no advice", rest, lexicon)
+        raise out(text, words[0], "A memory of sightings gives no advice", rest, lexicon)
     for opening, excuses in _openings().get(texts[0], ()):
         if tuple(texts[: len(opening)]) != opening:
             continue
         after = tuple(texts[len(opening) :])
         if any(after[: len(said)] == said for said in excuses) or _points(opening, after, it):
             continue
-        raise _out(text, words[len(opening) - 1], _REASON, rest, lexicon)
+        raise out(text, words[len(opening) - 1], _REASON, rest, lexicon)
 
 
 _LEADING = {(verb, to) for verb in ("leads", "lead", "opens") for to in ("to", "into", "onto")}
@@ -115,12 +112,12 @@ def _points(opening: tuple[str, ...], after: tuple[str, ...], it: ObjectTerm | N
     if it is not None and opening[1] in PRONOUNS:
         return True
     named = opening[1] != "it" and bool(after) and is_open(after[0])
-    return named and after[0] not in _lists()["state"]
+    return named and after[0] not in lists()["state"]
 
 
 def _commanded(texts: list[str], lexicon: Lexicon) -> bool:
     """Whether the first word is an order: `turn on the lights`, not `watch on the bed`."""
-    if len(texts) < 2 or texts[0] not in _lists()["command"] or asks_at_start(texts):
+    if len(texts) < 2 or texts[0] not in lists()["command"] or asks_at_start(texts):
         return False
     if lexicon.known_noun(texts[0]) or texts[0] in lexicon.attributes:
         return texts[1] in DETERMINERS or texts[1] in OWNERS
@@ -189,119 +186,6 @@ def _usable(texts: list[str]) -> bool:
     return False
 
 
-def refuse_late(text: str, found: FormalQuery, rest: list[Word], lexicon: Lexicon) -> None:
-    """Raise OutOfScope for a query whose head noun is no thing: `what is the weather`."""
-    lists = _lists()
-    _refuse_leftover_time(text, found, rest, lexicon)
-    for i, term in enumerate(found.objects):
-        if term.category in lexicon.places or term.category == ANYTHING:
-            continue
-        head = term.word.rpartition(" ")[2]
-        if head == "like" and len(term.word) > len(head):
-            raise _out(text, rest[-1], "It knows no properties of things", rest, lexicon)
-        if i == 0 and _is_abstract(term.word, head, lexicon):
-            word = next((w for w in rest if w.text.startswith(head[:4])), rest[-1])
-            raise _out(text, word, f"“{term.word}” is no thing that a camera sees", rest, lexicon)
-    stated = found.ask in ("count", "whether", "what") and lists["state"]
-    for term in found.objects[:1]:
-        if stated and stated & {*term.attributes, *term.without} - {"off", "on", "up", "down"}:
-            raise _out(text, rest[-1], "It knows no states of things", rest, lexicon)
-    said = [w.text for w in rest if w.text != TIME_GAP]
-    ends = found.ask == "whether" and said[0] in ("is", "are", "was", "were")
-    if ends and (said[-1] in lists["state"] - _NO_STATES or _predicated(found, said, lexicon)):
-        raise _out(text, rest[-1], "It knows no states of things", rest, lexicon)
-    if found.objects and _acted(found.objects[0], said, lexicon):
-        raise _out(text, rest[-1], "It remembers things, not what became of them", rest, lexicon)
-    if len(found.objects) == 2 and found.relation and found.relation.kind == "in":
-        content, vessel = (term.category for term in found.objects)
-        if content in lists["liquid"] and vessel in lists["vessel"]:
-            raise _out(text, rest[-1], "What is in a vessel is a state of it", rest, lexicon)
-    on_it = found.relation is not None and found.relation.kind in ("on", "in", "together")
-    for term in found.objects[1:]:
-        if term.word in lists["medium"] and on_it:
-            raise _out(text, rest[-1], f"“{term.word}” is no place for things", rest, lexicon)
-    first = found.objects[0] if found.objects else None
-    if first is not None and found.relation is not None and first.category in lexicon.places:
-        raise _out(text, rest[-1], "It knows no plan of the building", rest, lexicon)
-    if first is not None and _attending(found, rest):
-        raise _out(text, rest[0], "It remembers things, not the doings of people", rest, lexicon)
-    named = first is not None and first.category in lexicon.names and not _led(first.word, said)
-    person = first is not None and (named or first.category in KIN)
-    if first is not None and person and first.category not in lexicon.taught:
-        raise _out(text, rest[-1], "It remembers things, not the doings of people", rest, lexicon)
-
-
-def _is_abstract(word: str, head: str, lexicon: Lexicon) -> bool:
-    """Whether a noun is no thing: the level, but not the spirit level; music, no sheet music."""
-    lists = _lists()
-    if word in lists["abstract"]:
-        return True
-    concrete = word in lexicon.nouns or head in lists["compound"] or head in lexicon.nouns
-    return head in lists["abstract"] and not concrete
-
-
-def _predicated(found: FormalQuery, said: list[str], lexicon: Lexicon) -> bool:
-    """Whether the last word is said of the subject: `is the plant on the windowsill healthy`."""
-    ground, _, last = found.objects[-1].word.rpartition(" ") if found.objects else ("", "", "")
-    known = ground in lexicon.nouns or ground in lexicon.places
-    said_of = last in _lists()["predicate"] or (known and adjectives.describes(last, lexicon.heads))
-    final = bool(ground) and last == said[-1] and "there" not in said
-    return final and said_of and last not in lexicon.heads
-
-
-def _acted(term: ObjectTerm, said: list[str], lexicon: Lexicon) -> bool:
-    """Whether a noun ends in a verb of doing, or starts with a name: `team won`, `anna come`."""
-    first, last = term.word.partition(" ")[0], term.word.rpartition(" ")[2]
-    superlative = last.endswith("est") and lexicon.known_noun(last) is None
-    if first in _WANTING or (superlative and said[0] in ("which", "what")):
-        return True
-    if term.word in lexicon.nouns or last in lexicon.heads:
-        return False
-    noun = first not in lexicon.names and first not in KIN and first != last
-    placed = _ACTING.isdisjoint(said) or not phrases().verbs.isdisjoint(said)
-    if noun and placed and last in _DEEDS:
-        return False  # where is the door stop, did you see the face wash
-    return last in doings() or (first != last and first in lexicon.names and not _led(first, said))
-
-
-def _led(word: str, said: list[str]) -> bool:
-    """Whether a determiner makes a name that of a thing: the jack, a jack knife."""
-    i = said.index(word) if word in said else 0
-    return i > 0 and said[i - 1] in DETERMINERS
-
-
-_DEEDS = words_of("stop wash press ring walk rest watch iron drink break play work feed dry wear")
-"""Verbs of doing that are nouns too, where the question has a verb of its own."""
-_ACTING = words_of("do does did have has had will can could")
-_WANTING = ("need", "needs", "want", "wants", "seem", "seems")
-"""Verbs that begin no noun: which rooms still need painting."""
-_NO_STATES = words_of("on off up down home set made free visible available safe good fine high low")
-"""Words of state that may end a question of a place or of a thing's look."""
-_TIMES = frozenset((*tw.UNITS, *tw.PARTS, *tw.WEEKDAYS, *tw.MONTHS)) - tw.SHY
-_CLOCK_WORDS = words_of("am pm oclock o'clock ago later yesterday today tonight")
-
-
-def _refuse_leftover_time(
-    text: str, found: FormalQuery, rest: list[Word], lexicon: Lexicon
-) -> None:
-    """Raise NotUnderstood for a word of time that no time took in: it must not go unheard."""
-    for i, term in enumerate(found.terms):
-        head = term.word.rpartition(" ")[2]
-        timed = head in _CLOCK_WORDS or (i > 0 and head in _TIMES)
-        if timed and term.word not in lexicon.nouns:
-            word = next((w for w in rest if w.text.startswith(head)), rest[-1])
-            reason = f"I could not place “{text[word.start : word.end]}” in a time."
-            raise NotUnderstood(text, word.start, reason, suggestions(rest, lexicon))
-
-
-def _attending(found: FormalQuery, rest: list[Word]) -> bool:
-    """Whether it is asked if people were here: `were any students here lately`."""
-    being = len(rest) > 1 and rest[0].text in ("is", "are", "was", "were")
-    if not being or rest[1].text == "there" or found.relation is not None:
-        return False
-    return found.objects[0].word in _lists()["people"] or found.objects[0].category == "person"
-
-
 def refuse_noise(
     text: str, tagged: Tagged, rest: list[Word], lexicon: Lexicon, *, timed: bool
 ) -> None:
@@ -342,7 +226,7 @@ def unread(
         return OutOfScope(text, look.start, f"{reason}: the red cup, the small box.", hints)
     if stopped is not None and (beyond := _beyond(words, stopped)):
         return OutOfScope(text, position, f"{beyond}.", hints)
-    if words and (asks(words) or words[0].text in _lists()["command"]):
+    if words and (asks(words) or words[0].text in lists()["command"]):
         if _garbled(words) and not any(t.type == "WHO" for t in tagged.tags):
             return NotUnderstood(text, position, f"I could not follow at “{said}”.", hints)
         return OutOfScope(text, position, f"{_REASON}; I could not follow at “{said}”.", hints)
@@ -371,5 +255,6 @@ def _garbled(words: list[Word]) -> bool:
     return not any(is_open(w.text) for w in words[1:]) and len(words) < 5
 
 
-def _out(text: str, word: Word, reason: str, rest: list[Word], lexicon: Lexicon) -> OutOfScope:
+def out(text: str, word: Word, reason: str, rest: list[Word], lexicon: Lexicon) -> OutOfScope:
+    """Return the refusal of a question at a word of it, for a reason."""
     return OutOfScope(text, word.start, f"{reason}.", suggestions(rest, lexicon))

@@ -158,7 +158,8 @@ def _no_filler(words: list[Word], i: int, count: int, kept: list[Word]) -> bool:
     if words[i].text == "mm":
         return before.isdecimal() or before in numbers.CARDINALS  # the 10 mm socket
     if words[i].text == "like":
-        return before not in _BEFORE_LIKE
+        named = i + 1 < len(words) and words[i + 1].text in _LED
+        return before not in _BEFORE_LIKE and not (named and before in _LEAVING)
     if words[i].text in ("oh", "o"):
         return before in numbers.CARDINALS
     if words[i].text == "you":
@@ -172,6 +173,8 @@ _BEFORE_LIKE = (
     *words_of("so ok okay well where when is are was were at around by in on for and to"),
 )
 """After these `like` says nothing: `where is like my cup`, `at like three`."""
+_LEAVING = words_of("put leave left find found see seen saw lose lost spot keep store kept")
+"""After these it says nothing before a determiner: `where did i put like the tape`."""
 
 
 def _opened(words: list[Word]) -> list[Word]:

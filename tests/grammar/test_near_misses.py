@@ -93,3 +93,62 @@ def test_an_it_with_a_meaning_keeps_it() -> None:
     assert parse("Where is my jar? It is a red one.", now=NOW).ask == "where"
     with pytest.raises(OutOfScope):
         parse("is it a jar", now=NOW)
+
+
+@pytest.mark.parametrize(
+    ("said", "plainly"),
+    [
+        ("where is the ointment i had", "where is the ointment"),
+        ("did you see the silk shawl, the striped one", "did you see the striped silk shawl"),
+        ("where did i put the letter from the bank", "where did i put the letter"),
+        ("have you seen the vase from my aunt", "have you seen the vase"),
+        ("where did i leave like the tape", "where did i leave the tape"),
+    ],
+)
+def test_what_is_said_of_a_thing_does_not_change_it(said: str, plainly: str) -> None:
+    found, meant = (parse(text, now=NOW).objects[0] for text in (said, plainly))
+    assert (found.word, found.owner) == (meant.word, meant.owner)
+    assert (set(found.attributes), set(found.without)) == (
+        set(meant.attributes),
+        set(meant.without),
+    )
+
+
+def test_what_a_described_one_is_not_is_left_out() -> None:
+    (box,) = parse("where is the big box, not the small cardboard one", now=NOW).objects
+    assert (box.attributes, set(box.without)) == (("big",), {"small", "cardboard"})
+
+
+def test_where_a_thing_came_from_is_still_a_place_or_no_question() -> None:
+    assert parse("where is the box from the attic", now=NOW).place == "attic"
+    with pytest.raises(QuestionError):
+        parse("did you see the cup from the table", now=NOW)
+
+
+@pytest.mark.parametrize(
+    ("text", "kind", "negated"),
+    [
+        ("did you see the hamster outside the cage", "in", True),
+        ("what is outside of the box", "in", True),
+        ("is the parcel outside the front door", "near", False),
+    ],
+)
+def test_outside_a_thing_is_not_in_it_and_outside_a_door_near_it(
+    text: str, kind: str, *, negated: bool
+) -> None:
+    relation = parse(text, now=NOW).relation
+    assert relation is not None
+    assert (relation.kind, relation.negated) == (kind, negated)
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["when is the bill due", "when was the soup ready", "how many pages does the report have"],
+)
+def test_what_is_due_or_counted_inside_is_not_seen(text: str) -> None:
+    with pytest.raises(OutOfScope):
+        parse(text, now=NOW)
+
+
+def test_parts_that_are_seen_are_counted() -> None:
+    assert parse("how many drawers does the desk have", now=NOW).ask == "count"
