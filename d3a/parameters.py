@@ -84,7 +84,7 @@ class Parameters:
     # Default profile, tier 3: negative evidence, expiry, moves
     view_margin: float = 0.1  # share of the picture's edge where a missing box proves nothing
     detect_chance: float = 0.6  # of a present thing in one look, before anything is known of it
-    absent_odds: float = 5.5  # log-odds (250 to 1) at which a place counts as seen empty
+    absent_odds: float = 3.0  # log-odds (20 to 1) at which a place counts as seen empty
     seen_through_m: float = 0.3  # depth this far behind a thing's place: it is not there
     expire_odds: float = 2.0  # log-odds (7 to 1) of its absence at which a tentative thing goes
     doubt_odds: float = 1.0  # the same by depth at its only sighting, once its interval is closed

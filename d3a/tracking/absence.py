@@ -25,7 +25,15 @@ from d3a.tracking.depths import NEAREST_SHARE, nearer, samples
 from d3a.tracking.frame_offset import FrameOffset
 from d3a.tracking.known import Known, Place
 from d3a.tracking.memory import Memory
-from d3a.tracking.sides import LOOK_RANGE_M, chance, is_familiar, remember_side, share_of_look
+from d3a.tracking.sides import (
+    LOOK_RANGE_M,
+    chance_from,
+    is_familiar,
+    left,
+    remember_look,
+    remember_side,
+    share_of_look,
+)
 
 Floats = NDArray[np.float64]
 PATCH, PATCH_MOST = 3, 40
@@ -112,8 +120,9 @@ class Absence:
         (x, y, z), (off_x, off_y, off_z) = scene.pose.position, offset.mean
         eye = x - off_x, y - off_y, z - off_z
         self.looked.watch(scene, eye)
-        for _, place in found:
+        for thing, place in found:
             remember_side(place, eye)
+            self._glance(thing, place).eye = eye
         positions = self._memory.positions
         if not positions.owners:
             return
@@ -188,8 +197,9 @@ class Absence:
                 continue
             if glance.is_through:
                 odds = self._through_odds()
-            elif glance.is_familiar:
-                odds = -math.log(1 - chance(place, self._usual()))
+            elif glance.eye is not None and glance.is_familiar:
+                seen = chance_from(place, glance.eye, glance.away_m, self._usual())
+                odds = -math.log(1 - seen)
             else:
                 continue
             missed.append(thing)
@@ -220,6 +230,7 @@ class Absence:
         if eye is None:
             return 1.0
         share, place.missed_from = share_of_look(place.missed_from, eye, self._end_ms)
+        remember_look(place, eye, share, found=False)
         return share
 
     def _through_odds(self) -> float:
@@ -235,6 +246,8 @@ class Absence:
             self._relooked += 1
             self._through[0] += (glance.is_through, 1.0)
         self._through[0] += place.throughs  # it was there all the time
+        if glance.eye is not None and place.hits:  # see `chance` for the first
+            remember_look(place, glance.eye, 1.0, found=True)
         place.hits += 1
         place.chances += 1
         place.misses = place.throughs = 0
@@ -258,10 +271,17 @@ class Absence:
         place.misses += 1
         place.throughs += glance.is_through
         was_empty = place.last_absent_ms is not None
-        is_gone = place.evidence >= self._parameters.absent_odds and thing.seen >= SURE_SEEN
-        if was_empty or is_gone:
+        if was_empty or self._is_gone(thing, place):
             place.last_absent_ms = self._end_ms
             thing.dirty = True
+
+    def _is_gone(self, thing: Known, place: Place) -> bool:
+        """Say whether a thing has most likely left a place, by all looks in vain since."""
+        if thing.seen < SURE_SEEN:
+            return False
+        known_ms, since_ms = self._end_ms - thing.first_ms, self._end_ms - place.last_ms
+        odds = place.evidence + left(len(thing.places) - 1, known_ms, since_ms)
+        return odds >= self._parameters.absent_odds
 
     def forget(self, thing: Known) -> None:
         """Forget what the look showed of a thing that leaves the memory."""

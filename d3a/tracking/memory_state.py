@@ -89,10 +89,12 @@ def _thing(record: Json) -> Known:
 
 
 def _place(record: Json) -> Place:
-    plain = {name: record[name] for name in _PLACE}
+    plain = {name: record[name] for name in _PLACE if name in record}
     moved = plain["moved_from"]
     plain["moved_from"] = None if moved is None else tuple(moved)
     plain["seen_from"] = [(x, y, z) for x, y, z in record["seen_from"]]
     plain["missed_from"] = [((x, y, z), time_ms) for (x, y, z), time_ms in record["missed_from"]]
+    looks = record.get("looks", [])  # older checkpoints have none
+    plain["looks"] = [((x, y, z), share, found) for (x, y, z), share, found in looks]
     opened = record["open"]
     return Place(**plain, open=None if opened is None else Interval.from_json(opened))

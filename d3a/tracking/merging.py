@@ -185,6 +185,8 @@ def _join(kept: Known, gone: Known, memory: Memory, parameters: Parameters) -> N
     place.chances = max(place.chances, place.hits)
     place.misses, place.throughs, place.evidence, place.missed_from = 0, 0, 0.0, []
     place.seen_from = [*place.seen_from, *lost.seen_from]
+    # each was looked for in vain where the other was found
+    place.looks = [look for look in (*place.looks, *lost.looks) if look[-1]]
     kept.met |= gone.met
     kept.dirty = True
     memory.remove(gone)

@@ -14,17 +14,28 @@ from d3a.tracking.known import Place
 AGAIN_M, AGAIN_MS, AGAIN_SHARE = 0.8, 300_000, 0.3
 """A look from within so much of another, and so soon after it, is mostly the same look: what hid
 the thing from the detector does so still. Its share of a look of its own."""
+VISIT_SHARE = 0.5
+"""The same of a look from elsewhere so soon after another: what made the thing hard to find on the
+way up to it (the light, what stands before it) is in part the same."""
 FAMILIAR_SHARE, FAMILIAR_M = 0.25, 0.5
 """A viewpoint is one known to show a thing if it is this near to one that did: a share of the
 distance to the thing, or metres if that is more."""
 CHANCE_PRIOR = 2.0
 """Looks that the usual chance of finding a thing again is worth against the thing's own."""
+SIDE_PRIOR = 4.0
+"""Looks that the thing's own chance is worth against what looks from there showed of it."""
 CHANCE_MOST = 0.95
+LEFT_PRIOR, LEFT_HOURS = 0.5, 4.0
+"""Moves of a thing that are assumed before any is known, one in so many hours. What has been where
+it is for long will mostly stay, and what was moved before is moved again."""
 LOOK_RANGE_M = 10.0
 """What is farther away is not looked at: across a hall things are seen, and missed, as in a room;
 from where a thing was never seen it is not missed anyway."""
 SIDES_KEPT = 12
 """Viewpoints remembered for a place, the latest."""
+LOOKS_KEPT = 32
+"""Looks remembered for a place, the latest."""
+HOUR_MS = 3_600_000
 Look = tuple[Position, int]
 """Where the camera was in a look, and when it ended."""
 
@@ -38,8 +49,17 @@ def remember_side(place: Place, eye: Position) -> None:
 
 def is_familiar(place: Place, eye: Position, away_m: float) -> bool:
     """Say whether a viewpoint so far away from a place is near one that has shown it."""
-    near_m = max(FAMILIAR_M, FAMILIAR_SHARE * away_m)
+    near_m = _near_m(away_m)
     return any(math.dist(eye, side) <= near_m for side in reversed(place.seen_from))
+
+
+def _near_m(away_m: float) -> float:
+    return max(FAMILIAR_M, FAMILIAR_SHARE * away_m)
+
+
+def remember_look(place: Place, eye: Position, share: float, found: bool) -> None:
+    """Keep whether a look from somewhere found the thing, and its share; the oldest goes."""
+    place.looks = [*place.looks[1 - LOOKS_KEPT :], (eye, share, found)]
 
 
 def share_of_look(latest: list[Look], eye: Position, time_ms: int) -> tuple[float, list[Look]]:
@@ -48,8 +68,19 @@ def share_of_look(latest: list[Look], eye: Position, time_ms: int) -> tuple[floa
     Also the looks that the next one is to be compared with.
     """
     recent = [each for each in latest if time_ms - each[1] < AGAIN_MS]
-    again = any(math.dist(eye, side) < AGAIN_M for side, _ in recent)
-    return (AGAIN_SHARE, recent) if again else (1.0, [*recent, (eye, time_ms)])
+    if any(math.dist(eye, side) < AGAIN_M for side, _ in recent):
+        return AGAIN_SHARE, recent
+    return VISIT_SHARE if recent else 1.0, [*recent, (eye, time_ms)]
+
+
+def left(moves: int, known_ms: int, since_ms: int) -> float:
+    """Return the log-odds, 0 at most, that a thing left in so long a time, before any look.
+
+    moves: those that are known; known_ms: for how long it is.
+    """
+    hours, since = known_ms / HOUR_MS, max(since_ms, 1) / HOUR_MS
+    rate = (moves + LEFT_PRIOR) / (hours + LEFT_PRIOR * LEFT_HOURS)
+    return min(math.log(rate * since), 0.0)
 
 
 def chance(place: Place, usual: float, vain: float = 0.0) -> float:
@@ -61,3 +92,17 @@ def chance(place: Place, usual: float, vain: float = 0.0) -> float:
     hits, chances = max(0.0, place.hits - 1.0), max(0.0, place.chances - 1.0)
     own = (hits + CHANCE_PRIOR * usual) / (chances + vain + CHANCE_PRIOR)
     return min(own, CHANCE_MOST)
+
+
+def chance_from(place: Place, eye: Position, away_m: float, usual: float) -> float:
+    """Return how likely a look from there finds a thing that is there.
+
+    A thing that is found nine times in ten may never have been found from just here.
+    """
+    near_m, found, looks = _near_m(away_m), 0.0, 0.0
+    for side, share, was_found in place.looks:
+        if math.dist(eye, side) <= near_m:
+            looks += share
+            found += was_found
+    here = (found + SIDE_PRIOR * chance(place, usual)) / (looks + SIDE_PRIOR)
+    return min(here, CHANCE_MOST)

@@ -64,7 +64,7 @@ def test_a_small_memory_tells_of_a_place_what_a_large_one_does(looks_in_vain: in
 def test_looks_in_vain_add_up_over_a_sleep() -> None:
     """Else what is looked for now and then would never be seen to be gone."""
     absent = []
-    for looks_in_vain in (4, 6):  # and two more after it
+    for looks_in_vain in (3, 5):  # and two more after it
         store = filled(rounds_of_two_rooms(looks_in_vain), 2)
         (cup,) = store.objects(categories=["cup"])
         (stay,) = store.stays(object_ids=[cup.object_id])
