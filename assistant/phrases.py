@@ -326,6 +326,7 @@ def tells_nothing(answer: Answer) -> bool:
     term = term_of(query)
     whose = term.owner is not None or term.not_owner is not None
     conditions = (query.relation is not None) + (query.place is not None) + whose
+    conditions += len(term.other_than)
     anything = term.category == ANYTHING and not term.attributes
     listing = query.ask in ("what", "whether", "count")
     return anything and listing and 0 < conditions <= len(answer.unjudged)

@@ -178,7 +178,8 @@ def _find_objects(run: Run, step: FindObjects) -> None:
     table.known = known
     run.found[step.var] = table
     told = step.owner in ("me", "you") and run.query.ask not in ("what", "count")
-    if step.owner is not None and found and not told:
+    left_out = "-" in step.var  # whose they are is said of what is left out, see `leave_out`
+    if step.owner is not None and found and not told and not left_out:
         mine = any(n.owner == step.owner for c in found for n in c.record.names)
         if not mine:
             run.leave_out(_theirs(step.owner))

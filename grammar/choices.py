@@ -43,23 +43,28 @@ def choices(
     """
     parts = _parts(text, words, tags)
     start, end = (text[: parts[0][0]], text[parts[-1][1] :]) if parts else ("", "")
-    said = [f"{start}{text[a:b]}{end}" for a, b in parts]
+    shared = [_shared(text, tags, parts[0], part) for part in parts]
+    said = [f"{start}{w}{text[a:b]}{end}" for w, (a, b) in zip(shared, parts, strict=True)]
     shorter = len(said) == len(queries) and all(len(one) < len(text) for one in said)
     if shorter and all(map(partial(_reads_as, again=again), said, queries)):
-        shared = [_shared(text, tags, parts[0], part) for part in parts]
-        return tuple(f"{start}{w}{text[a:b]}{end}" for w, (a, b) in zip(shared, parts, strict=True))
+        return tuple(said)
     return tuple(spelled(query) for query in queries)
 
 
 def _shared(text: str, tags: Sequence[Tag], first: tuple[int, int], part: tuple[int, int]) -> str:
     """Return the determiner or owner that a part shares with the first; "" where it does not."""
     lead, own = (next(t for t in tags if t.word.start >= start) for start, _ in (first, part))
-    if lead.type not in _BEFORE or own.type not in _UNLED:
+    shared = own.type == "OWNER" and text[own.word.start : own.word.end] != _said(lead, text)
+    if lead.type not in _BEFORE or not (shared or own.type in _UNLED):
         return ""
     word = text[lead.word.start : lead.word.end]
     if word.lower() in ("a", "an"):
         word = "an" if text[part[0]].lower() in "aeiou" else "a"
     return f"{word} "
+
+
+def _said(tag: Tag, text: str) -> str:
+    return text[tag.word.start : tag.word.end]
 
 
 def _reads_as(said: str, query: FormalQuery, again: Callable[[str], FormalQuery]) -> bool:

@@ -32,7 +32,8 @@ class ClauseTagger(Cursor):
         if self._text(self.i) == "that" and kinds == ["NOUN", "BE", "THERE"]:
             del self.out.tags[-2:]  # how many chairs are there that are not wooden
         if self._last() not in ("NOUN", "ONE", "ATTR", "PART", "AT_PLACE"):
-            seen = self._last() == "SEE" and self._first() == "_WHAT"  # what did you see that is
+            asked = self._first() in ("_WHAT", "_WHICH", "_HOWMANY")  # what did you see that is
+            seen = self._last() == "SEE" and asked
             if not seen or self._text(self.i + 1) not in _SAID_OF_SEEN:
                 return False
         if self._text(self.i) in _SUBJECTS and self._asked():
@@ -59,6 +60,8 @@ class ClauseTagger(Cursor):
                 self._belongs(self.i)
             elif self._attribute_at(k) or self._looks(k):
                 self._emit("_THAT_IS_NOT" if negated else "_THAT_IS", far, k - self.i)
+            elif negated and self._names_kind(k):
+                self._emit("_EXCEPT", 0, k - self.i)  # that are not cups
             elif self._text(k) in ("made", "built"):
                 self._emit(
                     "_NOT_MADE_OF" if negated else "_MADE_OF", far and negated, k + 2 - self.i
@@ -77,6 +80,11 @@ class ClauseTagger(Cursor):
         if [self._text(k + n) for n in (1, 2)] == ["not", "have"]:
             return self._part_of(k + 3, without=True)
         return self._relative(k)
+
+    def _names_kind(self, k: int) -> bool:
+        """Whether a kind of thing stands alone at `k`, no look and no place."""
+        found = self.reader.read(self.words, k) if self._open_at(k) else []
+        return len(found) == 1 and isinstance(found[0][0], Noun) and found[0][0].known
 
     def _seen_at(self, k: int) -> bool:
         """Whether a clause that only tells that a thing was seen ends at `k`, or tells where."""
@@ -196,7 +204,17 @@ class ClauseTagger(Cursor):
         if bare or anything:
             return not (plural and ground)
         agrees = (nouns[0].word.start in self.several) == plural
-        return len(nouns) > 1 and agrees and (owned or ground != plural)
+        return len(nouns) > 1 and agrees and (owned or ground != plural or self._in_one_phrase())
+
+    def _in_one_phrase(self) -> bool:
+        """Whether a thing and its place are one phrase: the cup on the table that is red.
+
+        Then its head is meant. What is asked to be on the table that is red is no part of it.
+        """
+        kinds = [t.type for t in self.out.tags]
+        first = kinds.index("NOUN")
+        asked = kinds[0] in ("BE", "_WHEN", "_WHETHER") and "THERE" not in kinds
+        return not (asked or {"BE", "AUX"} & {*kinds[first:]})
 
     def _topic(self) -> bool:
         """Pass over what a thing is about or for: the book about cooking, the key to the shed."""

@@ -17,13 +17,37 @@ _STRANDED = ("in", "on", "at")
 
 def spread(words: list[Word], lexicon: Lexicon) -> list[Word]:
     """Give each of two relations, owners or looks the noun phrase that is said once."""
-    words = _last_before(words)
-    for k in range(1, len(words) - 2):
-        if words[k].text not in _JOINTS:
-            continue
-        spread_ = _related(words, k) or _owned(words, k) or _looking(words, k, lexicon)
-        if spread_ is not None:
-            return spread_
+    words = _listed_looks(_last_before(_denied_each(words)), lexicon)
+    for k in range(len(words) - 3, 0, -1):  # what is spread goes before it
+        if words[k].text in _JOINTS:
+            words = _related(words, k) or _owned(words, k) or _looking(words, k, lexicon) or words
+    return words
+
+
+def _denied_each(words: list[Word]) -> list[Word]:
+    """Say `not` of each that is denied: neither red nor blue is not red and not blue."""
+    if not any(word.text in ("nor", "neither") for word in words):
+        return words
+    out: list[Word] = []
+    for i, word in enumerate(words):
+        if word.text == "neither" and i + 1 < len(words) and words[i + 1].text != "of":
+            out.append(replace(word, text="not"))
+        elif word.text == "nor":
+            out += [replace(word, text="and"), replace(word, text="not")]
+        else:
+            out.append(word)
+    return out
+
+
+def _listed_looks(words: list[Word], lexicon: Lexicon) -> list[Word]:
+    """Say `or` between all looks of a list that ends so: a red, blue or green cup."""
+    looks = lexicon.attributes.keys() | lexicon.shades
+    for k in (k for k, word in enumerate(words) if word.text == "or"):
+        i = k - 1
+        i -= i > 0 and words[i].text == ","  # red, blue, or green
+        while i > 1 and words[i].text in looks and words[i - 1].text == ",":
+            words = [*words[: i - 1], replace(words[i - 1], text="or"), *words[i:]]
+            i -= 2
     return words
 
 

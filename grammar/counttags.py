@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from grammar import numbers
 from grammar.cursor import Tag
+from grammar.denialtags import DenialTagger
 from grammar.forms import Bound
-from grammar.nountags import NounTagger
 from grammar.phrases import phrases
 
 _BEFORE: dict[tuple[str, ...], tuple[Bound, int]] = {
@@ -29,7 +29,7 @@ _MARKS: dict[Bound, str] = {"most": "_MOST", "exactly": "_EXACTLY"}
 _FIRST = frozenset(said[0] for said in (*_BEFORE, *_AFTER))
 
 
-class CountTagger(NounTagger):
+class CountTagger(DenialTagger):
     """Reads how a number of things is meant."""
 
     def _bounded(self) -> bool:
@@ -50,7 +50,8 @@ class CountTagger(NounTagger):
         bound, more = _BEFORE[self._said(self.i, size)]
         k = self.i + size
         number = numbers.cardinal([w.text for w in self.words[k : k + 2]], 0)
-        if number is None or not self._open_at(k + number[1]):
+        end = self._counted_from(k + number[1]) if number is not None else k
+        if number is None or not (self._open_at(end) or self._text(end - 1) == "of"):
             return False
         quantity = number[0] + more
         if quantity < (2 if bound == "least" else 1):
@@ -59,8 +60,12 @@ class CountTagger(NounTagger):
             self._emit(_MARKS[bound], bound, size)
         else:
             self.i += size
-        self._emit("NUMBER", quantity, k + number[1] - self.i)
+        self._emit("NUMBER", quantity, end - self.i)
         return True
+
+    def _counted_from(self, k: int) -> int:
+        """Return where what is counted begins: after `of` in two of my cups, else right there."""
+        return k + (self._text(k) == "of" and self._noun_phrase_at(k + 1))
 
     def _bound_after(self) -> bool:
         """Take `or more` after a number, and `at most` after the noun that is counted."""

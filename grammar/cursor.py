@@ -40,6 +40,7 @@ class Tagged:
     select: Select | None = None
     negated: bool = False
     never: bool = False
+    contrary: bool = False
     here: bool = False
 
 

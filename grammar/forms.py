@@ -115,7 +115,8 @@ class ObjectTerm:
     def to_json(self) -> Json:
         """Return the JSON record of formal-query, every field present.
 
-        Those from `bound` on, which it does not know, only where they say something.
+        Those from `bound` on, which it does not know, only where they say something. A kind that
+        is left out is a word that must not hold, so `without` ends in those of `other_than`.
         """
         more = {
             "bound": self.bound if self.bound != "least" else None,
@@ -128,11 +129,16 @@ class ObjectTerm:
             "category": self.category,
             "word": self.word,
             "attributes": list(self.attributes),
-            "without": list(self.without),
+            "without": [*self.without, *_kinds(self.other_than)],
             "owner": self.owner,
             "quantity": self.quantity,
             "where": self.where.to_json() if self.where else None,
         } | {name: said for name, said in more.items() if said is not None}
+
+
+def _kinds(terms: tuple[ObjectTerm, ...]) -> tuple[str, ...]:
+    """Return the nouns of terms that say nothing else."""
+    return tuple(term.word for term in terms if term == ObjectTerm(term.category, term.word))
 
 
 def _is_plain(term: ObjectTerm) -> bool:
@@ -345,11 +351,15 @@ def _moment(value: str | None) -> datetime | None:
 
 def _term_from_json(record: Mapping[str, Any]) -> ObjectTerm:
     where = record["where"]
+    others = tuple(_term_from_json(term) for term in record.get("other_than", ()))
+    without, kinds = tuple(record["without"]), _kinds(others)
+    if without[len(without) - len(kinds) :] == kinds:
+        without = without[: len(without) - len(kinds)]
     return ObjectTerm(
         category=record["category"],
         word=record["word"],
         attributes=tuple(record["attributes"]),
-        without=tuple(record["without"]),
+        without=without,
         owner=record["owner"],
         quantity=record["quantity"],
         where=Where(where["kind"], _term_from_json(where["object"]), bool(where["negated"]))
@@ -359,5 +369,5 @@ def _term_from_json(record: Mapping[str, Any]) -> ObjectTerm:
         bound=cast("Bound", record.get("bound", "least")),
         not_owner=record.get("not_owner"),
         or_else=tuple(_term_from_json(term) for term in record.get("or_else", ())),
-        other_than=tuple(_term_from_json(term) for term in record.get("other_than", ())),
+        other_than=others,
     )

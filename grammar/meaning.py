@@ -28,10 +28,14 @@ _HOLDING: tuple[RelationKind, ...] = ("on", "in", "under")
 
 @dataclass(frozen=True, slots=True)
 class Group:
-    """Objects joined by `and`; `choice` where they are joined by `or`."""
+    """Objects joined by `and`; `choice` where each is asked for alone, as `or` does.
+
+    apart: it was `and` that joined them, but no thing is on two others: each of them is asked for.
+    """
 
     terms: tuple[ObjectTerm, ...]
     choice: bool = False
+    apart: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,16 +53,18 @@ class Related:
 
 @dataclass(frozen=True, slots=True)
 class AtPlace:
-    """In a named place."""
+    """In a named place, or in any of the others."""
 
     name: str
+    others: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
 class Outside:
-    """Not in a named place."""
+    """Not in a named place, nor in any of the others."""
 
     name: str
+    others: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,9 +81,10 @@ class SideBySide:
 
 @dataclass(frozen=True, slots=True)
 class Choice:
-    """Items of which one is meant: in the kitchen or in the hall."""
+    """Items of which one is meant: in the kitchen or in the hall. apart: each is asked for."""
 
     options: tuple[Item, ...]
+    apart: bool = False
 
 
 Item: TypeAlias = "Related | AtPlace | Outside | Here | SideBySide | Choice"
@@ -166,14 +173,17 @@ def query(
     select: Select | None,
     negated: bool,
     never: bool = False,
+    contrary: bool = False,
 ) -> FormalQuery:
     """Return the formal query of a meaning, its floating words and its time.
 
-    never: it is denied for all of the time, and not for a sighting.
+    never: it is denied for all of the time, and not for a sighting. contrary: a sighting is asked
+    for of which it does not hold.
     Raises MeaningError where the objects cannot stand in their relation, and for what never was.
     """
     ask = meaning.ask or "where"
-    objects, relation, place, outside = _arranged(meaning)
+    objects, relation, places, outside = _arranged(meaning)
+    place = places[0] if places else None
     if ask in _CHANGES and relation is not None and relation.kind == "together":
         raise MeaningError("it tells what moved or is missing, not together with what")
     if never and ask != "whether":
@@ -194,6 +204,8 @@ def query(
         select=chosen,
         negated=negated,
         outside=outside,
+        or_places=places[1:],
+        contrary=contrary and ask == "whether" and (relation is not None or place is not None),
     )
 
 
@@ -209,20 +221,21 @@ def form_of(
 
 def _arranged(
     meaning: Meaning,
-) -> tuple[tuple[ObjectTerm, ...], Relation | None, str | None, bool]:
+) -> tuple[tuple[ObjectTerm, ...], Relation | None, tuple[str, ...], bool]:
     """Lay objects and relations out: the first relation is the query's, later ones describe."""
     things = meaning.things
     terms = list(things.group.terms) if things.group else []
     relation: Relation | None = None
-    place: str | None = None
+    places: tuple[str, ...] = ()
     outside = False
     figures = len(terms)
     for item in things.items:
         match item:
             case AtPlace() | Outside():
-                if place is not None and (place, outside) != (item.name, item == Outside(place)):
+                denied, named = isinstance(item, Outside), (item.name, *item.others)
+                if places and not (denied and outside) and (places, outside) != (named, denied):
                     raise MeaningError("it names two places", state=False)
-                place, outside = item.name, isinstance(item, Outside)
+                places, outside = tuple(dict.fromkeys((*places, *named))), denied
             case SideBySide():
                 relation = relation or Relation(item.kind)
             case Here() | Choice():
@@ -239,7 +252,7 @@ def _arranged(
         terms = [THING]
     if relation is not None and not terms:
         raise MeaningError("a relation needs two things", state=False)
-    return tuple(terms), relation, place, outside
+    return tuple(terms), relation, places, outside
 
 
 def _with_figure(terms: list[ObjectTerm], figures: int) -> tuple[list[ObjectTerm], int]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from grammar.clauses import ClauseTagger
-from grammar.closed import is_open, words_of
+from grammar.closed import words_of
 from grammar.cursor import DETERMINERS, OWNED, OWNERS, TIME_GAP
 from grammar.nouns import Attribute, Noun
 from grammar.phrases import BARE_PLACES, phrases, place_follows
@@ -45,7 +45,8 @@ class NounTagger(ClauseTagger):
     def _or(self) -> bool:
         """In the kitchen or the hall: a place after `or` needs no preposition of its own."""
         following = self._next_place()
-        self._emit("OR", "or", 1)
+        said = "or" if self._text(self.i) in ("or", "nor") else "and"
+        self._emit("OR", said, 1)
         if following:
             self._emit("AT_PLACE", following[0], following[1] - self.i)
         return True
@@ -136,94 +137,6 @@ class NounTagger(ClauseTagger):
         found = self.reader.read(self.words, k)
         attributes = all(isinstance(what, Attribute) for what, _, _ in found)
         return attributes and found[-1][2] == len(self.words) and self.out.tags[:1] != []
-
-    def _negation(self) -> bool:
-        """Lift `not` out, unless it denies a word of a noun phrase."""
-        text = self._text(self.i)
-        placed = place_follows(self.words, self.i + 1)
-        if text == "not" and placed and self._is_placed():
-            self._emit("AND", "but", 0)  # near the door, not on the desk
-        joined = self._last() == "AND" or self._describes()
-        if text == "not" and joined and placed:
-            self._emit("THAT_NOT", 0, 1)  # on the table and not near the lamp
-            return True
-        if text == "not":
-            if not self._denial(self.i + 1):
-                self.out.negated = True
-                self.i += 1
-            return True
-        lost = text == "nowhere" and self._text(self.i + 1) == "to"  # nowhere to be found
-        if lost or text not in ("no", "never", "nothing", "nowhere", "none"):
-            return False
-        self.out.negated, self.out.never = True, text == "never"
-        if text == "none" and self._text(self.i + 1) == "of":
-            self.i += 2  # none of the cups
-        elif text in ("nothing", "none"):
-            self._emit("NOUN", Noun("object", "thing", known=True), 1)
-        elif text == "no" and self._text(self.i + 1) != "longer":
-            self._emit("DET", text, 1)
-        else:
-            self.i += 2 if text == "no" else 1
-        return True
-
-    def _describes(self) -> bool:
-        """Whether `not` here denies where a thing is: did you see a cup not on the table."""
-        kinds = [t.type for t in self.out.tags]
-        asked = kinds[:1] == ["AUX"] and kinds[-2:-1] != ["BE"] and "SEE" in kinds
-        return self._last() in ("NOUN", "ONE") and (asked or kinds[:2] == ["BE", "THERE"])
-
-    def _is_placed(self) -> bool:
-        """Whether it was said already where the thing is: what is denied next is one thing more."""
-        kinds = [t.type for t in self.out.tags if t.type != "COMMA"]
-        return kinds[-1:] == ["AT_PLACE"] or (kinds[-1:] == ["NOUN"] and "REL" in kinds)
-
-    def _denial(self, k: int) -> bool:
-        """Take `not` before a word of a noun phrase: not red, not the red one, not made of wood."""
-        after_noun = self._last() in ("NOUN", "ONE", "COMMA", "ATTR", "AND", "")
-        belonging = self._text(k) == "belonging" and self._text(k + 1) == "to"
-        if after_noun and (belonging or self._is_theirs(k)):
-            self._emit("_THAT_IS_NOT", 0, 1)  # not belonging to anna, not mine
-            return belonging or self._belongs(k)
-        if self._text(k) in DETERMINERS or self._text(k) in OWNERS:
-            if after_noun and self._one_at(k + 1):
-                self._say_one("_EXCEPT", k + 1)
-                return True
-            if after_noun and self._contrasted(k + 1):
-                self._emit("_EXCEPT", 0, 1)
-                return True
-            return False
-        if self._text(k) in ("made", "built") and self._text(k + 1) in ("of", "from", "out"):
-            self._emit("_NOT_MADE_OF", 0, 4 if self._text(k + 1) == "out" else 3)
-            return True
-        return self._attribute_at(k) and self._denied_attribute(k, after_noun=after_noun)
-
-    def _denied_attribute(self, k: int, *, after_noun: bool) -> bool:
-        """Take `not red`, said before its noun or after it."""
-        if self._last() == "BE" and self._chosen():
-            self.out.tags.pop()  # how many chairs are not red: chairs that are not
-            self._emit("_THAT_IS_NOT", any(t.type == "REL" for t in self.out.tags), 1)
-            return True
-        found = self.reader.read(self.words, k)
-        before_noun = len(found) > 1 and isinstance(found[-1][0], Noun)
-        if before_noun and self._last() in ("DET", "OWNER", ""):
-            self.i += 1
-            attribute, _, last = found[0]
-            self._emit("NOT_ATTR", attribute, last - self.i)
-            return True
-        if after_noun:
-            self._emit("_THAT_IS_NOT", 0, 1)
-        return after_noun
-
-    def _chosen(self) -> bool:
-        """Whether things are chosen or counted: which chairs, how many chairs."""
-        return any(t.type in ("_WHICH", "_HOWMANY") for t in self.out.tags)
-
-    def _contrasted(self, k: int) -> bool:
-        """Whether `not the red one` stands here: an attribute, and `one` or nothing after it."""
-        found = self.reader.read(self.words, k) if is_open(self._text(k)) else []
-        if not found:
-            return False
-        return all(isinstance(what, Attribute) for what, _, _ in found)
 
     def _owner(self) -> bool:
         text = self._text(self.i)

@@ -76,7 +76,8 @@ class OpenTagger(RelationTagger):
         if number is not None:
             if self.only:
                 self._emit("_EXACTLY", text, 0)
-            self._emit("NUMBER", number[0], number[1])
+            end = self._counted_from(self.i + number[1])
+            self._emit("NUMBER", number[0], end - self.i)
             return True
         if self._side(text):
             return True

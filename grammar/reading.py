@@ -5,15 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from datetime import datetime
 from functools import lru_cache
-from itertools import takewhile
 from typing import Any
 
 from grammar import antecedent, cutting, lalr, purpose, scope, speech, tagger, timespan, unseen
 from grammar.cursor import TIME_GAP, Tagged
 from grammar.errors import Ambiguous, NotUnderstood, OutOfScope, QuestionError
-from grammar.forms import ANYTHING, FormalQuery, ObjectTerm, TimeSlice
+from grammar.forms import FormalQuery, ObjectTerm, TimeSlice
 from grammar.meaning import Meaning, MeaningError, form_of, query, readings
-from grammar.nouns import Noun
 from grammar.suggestions import suggestions
 from grammar.transform import Meanings
 from grammar.vocabulary import Lexicon
@@ -21,7 +19,6 @@ from grammar.words import MAX_CHARACTERS, MAX_WORDS, Word, split
 
 QUESTION = lalr.Source("question.lark", ("start", "fragment"))
 
-_LEFT_OUT = ("DET", "OWNER", "ATTR", "NOUN")
 _VERBAL = ("BE", "AUX", "WHO", "THERE", "SEE", "LEAVE", "FINDS", "MISSING", "MOVED", "GO")
 
 
@@ -147,38 +144,19 @@ class Reading:
 
     def finished(self, meaning: Meaning, found: Terminals) -> FormalQuery:
         """Return the query of a meaning; raises Ambiguous, and OutOfScope for what is no thing."""
-        tagged = found.tagged
         try:
-            queries = tuple(
-                query(each, self.text, found.time, tagged.select, tagged.negated, tagged.never)
-                for each in readings(meaning)
-            )
-            done = queries[0] if len(queries) == 1 else self._as_one(queries, found)
+            queries = tuple(self._query(each, found) for each in readings(meaning))
+            done = queries[0] if len(queries) == 1 else self._as_one(queries, meaning, found)
         except MeaningError as error:
             raise self._refused(error, found.words) from error
         unseen.refuse_late(self.text, done, found.words, self.lexicon)
-        self._refuse_left_out(done, found)
         return done
 
-    def _refuse_left_out(self, done: FormalQuery, found: Terminals) -> None:
-        """Raise OutOfScope for a kind of thing left out of others: something red, not a cup.
-
-        What is somewhere besides it may be asked: there nothing else is said of the things.
-        """
-        tags = found.tagged.tags
-        asked = done.objects[0] if done.objects and done.ask == "what" else None
-        plain = asked is not None and asked.category == ANYTHING and not asked.attributes
-        may = asked.without if asked is not None and plain else ()
-        for i, tag_ in enumerate(tags):
-            described = takewhile(lambda t: t.type in _LEFT_OUT, tags[i + 1 :])
-            named = next((t for t in described if isinstance(t.value, Noun)), None)
-            if tag_.type not in ("_EXCEPT", "_BUT") or named is None:
-                continue
-            assert isinstance(named.value, Noun)
-            if named.value.said not in may:
-                reason = "I cannot leave a kind of thing out; ask for what there is."
-                hints = suggestions(found.words, self.lexicon, self.text)
-                raise OutOfScope(self.text, named.word.start, reason, hints)
+    def _query(self, meaning: Meaning, found: Terminals) -> FormalQuery:
+        said = found.tagged
+        return query(
+            meaning, self.text, found.time, said.select, said.negated, said.never, said.contrary
+        )
 
     def _refused(self, error: MeaningError, rest: list[Word]) -> QuestionError:
         words = [w for w in rest if w.text != TIME_GAP]
@@ -189,13 +167,19 @@ class Reading:
             return OutOfScope(self.text, position, reason, hints)
         return NotUnderstood(self.text, position, f"I could not follow: {error}.", hints)
 
-    def _as_one(self, queries: tuple[FormalQuery, ...], found: Terminals) -> FormalQuery:
-        """Return what is one query in two words; raises Ambiguous where they are two queries."""
-        from grammar.choices import as_one, choices  # few questions say `or`
+    def _as_one(
+        self, queries: tuple[FormalQuery, ...], meaning: Meaning, found: Terminals
+    ) -> FormalQuery:
+        """Return what is one query in two words, or of either; raises Ambiguous where it is two."""
+        from grammar.alternatives import united  # few questions say `or`
+        from grammar.choices import as_one, choices
 
         one = as_one(queries)
         if one is not None:
             return one
+        either = united(meaning)
+        if either is not None and len(open_left := readings(either)) == 1:
+            return self._query(open_left[0], found)
         tags = found.tagged.tags
         raise Ambiguous(
             self.text,

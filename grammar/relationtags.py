@@ -21,6 +21,9 @@ class RelationTagger(VerbTagger):
         if not self.out.tags and self._text(following) in ("which", "what"):
             self._emit("PIED", kind, size)
             return True
+        if self._carries(following):
+            self._emit("CARRIES", kind, size + 1)
+            return True
         kind, said, size = self._through_part(kind, said, size)
         following = self.i + size
         if not self._noun_phrase_at(following) and self._text(following) not in (
@@ -39,6 +42,17 @@ class RelationTagger(VerbTagger):
         none = self._text(following) == "no" and self._noun_phrase_at(following + 1)
         self._emit("THAT_NOT_REL" if negated != none else "REL", kind, size + none)
         return True
+
+    def _carries(self, k: int) -> bool:
+        """Whether `it` at `k` is the thing before its `with`: a bed with a teddy bear on it."""
+        kinds = [t.type for t in self.out.tags]
+        if self._text(k) not in ("it", "them") or self._last() != "NOUN" or kinds.count("REL") != 1:
+            return False
+        link = kinds.index("REL")
+        one = kinds[:link].count("NOUN") == 1 and kinds[link:].count("NOUN") == 1
+        counted = {"NUMBER", "_HOWMANY", "_HOWLONG", "_WHAT", "_WHICH", "AND", "OR"} & {*kinds}
+        led = link > 0 and kinds[link - 1] == "NOUN" and self.out.tags[link].value == "together"
+        return led and one and not counted
 
     def _through_part(self, kind: str, said: str, size: int) -> tuple[str, str, int]:
         """Read `hanging on the back of` as `on the back of`: the part of a thing is no thing."""

@@ -240,6 +240,12 @@ def _beyond(words: list[Word], stopped: Word) -> str:
     here = next(i for i, w in enumerate(words) if w.start == stopped.start)
     if [w.text for w in words[here : here + 4]] == ["in", "the", "same", "room"]:
         return "I do not compare the rooms of two things; ask for each where it was"
+    if (
+        stopped.text in ("and", "but")
+        and words[here + 1 : here + 2] != []
+        and (words[here + 1].text in ("no", "not"))
+    ):
+        return "I tell what was seen without another thing where it is said on or with what"
     return ""
 
 

@@ -41,7 +41,8 @@ class Tagger(OpenTagger):
     def run(self) -> Tagged:
         """Tag every word; what nothing reads becomes UNKNOWN, which no rule takes."""
         steps = (
-            self._joint_part, self._bounded, self._mark, self._clause, self._place, self._topic,
+            self._joint_part, self._lacks_one, self._bounded, self._mark, self._clause,
+            self._place, self._topic,
             self._negation, self._part, self._owning, self._noun_as_subject, self._owner,
             self._closed_noun, self._phrase, self._plain,
         )  # fmt: skip
@@ -180,7 +181,7 @@ class Tagger(OpenTagger):
                     return False  # the robot vacuum is a thing
                 return said not in ("you", "u") or self._last() != "SEE"
             case "_EXCEPT":
-                before = ("NOUN", "ONE", "COMMA", "SIDE_BY_SIDE", "AT_PLACE", "HERE")
+                before = ("NOUN", "ONE", "COMMA", "SIDE_BY_SIDE", "AT_PLACE", "HERE", "_WHAT")
                 return self._last() in before
             case _:
                 return True
@@ -300,6 +301,9 @@ class Tagger(OpenTagger):
 
     def _here(self, said: str, size: int) -> bool:
         following = self.i + size
+        if said == "in it" and self._carries(self.i + 1):
+            self._emit("CARRIES", "in", size)
+            return True
         if said == "there":
             bare = self._last() in ("BE", "AUX", "_WHETHER", "") or self._text(following) in (
                 "is",

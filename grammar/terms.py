@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Any
 
+from grammar.alternatives import either_of
 from grammar.forms import ANYTHING, Bound, ObjectTerm, RelationKind
 from grammar.lalr import Token
 from grammar.meaning import (
@@ -13,6 +14,7 @@ from grammar.meaning import (
     Group,
     Here,
     Item,
+    MeaningError,
     Outside,
     Related,
     SideBySide,
@@ -31,6 +33,8 @@ class Change:
     quantity: int | None = None
     bound: Bound = "least"
     not_owner: str | None = None
+    other_than: tuple[ObjectTerm, ...] = ()
+    either: tuple[tuple[str, ...], ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,7 +123,12 @@ class Terms:
     def group(self, *words: Any) -> Group:
         """group: thing (AND thing | OR thing)*."""
         terms = tuple(w for w in words if isinstance(w, ObjectTerm))
-        return Group(terms, any(isinstance(w, Token) and w.type == "OR" for w in words))
+        joints = [w for w in words if isinstance(w, Token)]
+        either = [n for n, w in enumerate(joints) if w.type == "OR" and w.value != "and"]
+        if 0 < len(either) < len(joints):  # a red or blue cup and a bowl
+            terms, joints = _looks_joined(terms, joints, either)
+        choice = any(w.type == "OR" for w in joints)
+        return Group(terms, choice, apart=any(w.value == "and" for w in joints))
 
     def thing(self, *words: Any) -> ObjectTerm:
         """thing: DET? OWNER? pre* head post*."""
@@ -135,7 +144,10 @@ class Terms:
         counted = next((c for c in changes if c.quantity is not None), None)
         lacking = next((c.not_owner for c in changes if c.not_owner), None)
         base = noun.term or ObjectTerm(noun.category, noun.said)
-        return ObjectTerm(
+        others = tuple(other for c in changes for other in c.other_than)
+        if any(other == ObjectTerm(base.category, other.word) for other in others):
+            raise MeaningError("it leaves out what it asks for", state=False)
+        found = ObjectTerm(
             category=base.category,
             word=base.word,
             attributes=(*base.attributes, *(a for c in changes for a in c.attributes)),
@@ -145,7 +157,11 @@ class Terms:
             where=base.where,
             bound=counted.bound if counted else base.bound,
             not_owner=lacking or base.not_owner,
+            or_else=base.or_else,
+            other_than=(*base.other_than, *others),
         )
+        either = next((c.either for c in changes if c.either), ())
+        return _looking_either(found, either) if either else found
 
     def quantity(self, token: Token) -> Change:
         """pre: NUMBER."""
@@ -176,6 +192,16 @@ class Terms:
         """post: _THAT_IS ATTR+."""
         return Change(attributes=tuple(_said(t) for t in tokens))
 
+    def having_either(self, *tokens: Token) -> Change:
+        """post: _THAT_IS ATTR+ (OR_LOOK ATTR+)+."""
+        looks: list[tuple[str, ...]] = [()]
+        for token in tokens:
+            if token.type == "OR_LOOK":
+                looks.append(())
+            else:
+                looks[-1] = (*looks[-1], _said(token))
+        return Change(either=tuple(looks))
+
     def lacking_all(self, *tokens: Token) -> Change:
         """post: _THAT_IS_NOT ATTR+."""
         return Change(without=tuple(_said(t) for t in tokens))
@@ -194,8 +220,10 @@ class Terms:
 
     def except_noun(self, *tokens: Token) -> Change:
         """post: _EXCEPT DET? OWNER? ATTR* NOUN."""
+        looks = tuple(_said(token) for token in tokens if token.type == "ATTR")
+        owner = next((str(token.value) for token in tokens if token.type == "OWNER"), None)
         noun: Any = tokens[-1].value
-        return Change(without=(noun.said,))
+        return Change(other_than=(ObjectTerm(noun.category, noun.said, looks, owner=owner),))
 
     def owned(self, token: Token) -> Change:
         """post: _THAT_IS? OWNED."""
@@ -204,6 +232,33 @@ class Terms:
     def not_owned(self, *tokens: Token) -> Change:
         """post: _THAT_IS_NOT OWNED | _EXCEPT OWNER ONE?."""
         return Change(not_owner=str(tokens[0].value))
+
+
+def _looks_joined(
+    terms: tuple[ObjectTerm, ...], joints: list[Token], either: list[int]
+) -> tuple[tuple[ObjectTerm, ...], list[Token]]:
+    """Return terms and joints with what differs in its looks alone as one thing of either look."""
+    joined = [terms[0]]
+    left: list[Token] = []
+    for n, term in enumerate(terms[1:]):
+        one = either_of((joined[-1], term), looks_alone=True) if n in either else None
+        if one is None:
+            left.append(joints[n])
+            joined.append(term)
+        else:
+            joined[-1] = one
+    return tuple(joined), left
+
+
+def _looking_either(term: ObjectTerm, either: tuple[tuple[str, ...], ...]) -> ObjectTerm:
+    """Return a thing that has one of several looks beside its own."""
+    if term.or_else:
+        raise MeaningError("it says too much about one thing", state=False)
+    first, *others = (replace(term, attributes=(*term.attributes, *look)) for look in either)
+    plain = (
+        replace(other, quantity=None, bound="least", where=None, other_than=()) for other in others
+    )
+    return replace(first, or_else=tuple(plain))
 
 
 def _part(tokens: tuple[Token, ...]) -> tuple[str, ...]:
@@ -215,15 +270,15 @@ def _part(tokens: tuple[Token, ...]) -> tuple[str, ...]:
 def _joined(words: tuple[Any, ...]) -> tuple[Item, ...]:
     """Return the items: two that `or` joins become one Choice; `and` says more of what is asked."""
     found: list[Item] = []
-    joint = ""
+    joint = said = ""
     for word in words:
         if isinstance(word, Token):
-            joint = word.type
+            joint, said = word.type, str(word.value)
             continue
         if joint == "OR_ITEM" and found:
             before = found.pop()
-            options = before.options if isinstance(before, Choice) else (before,)
-            word = Choice((*options, word))
+            choice = before if isinstance(before, Choice) else Choice((before,))
+            word = Choice((*choice.options, word), choice.apart or said == "and")
         elif joint == "AND_ITEM" and isinstance(word, Related):
             word = replace(word, of_figure=True)
         found.append(word)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from grammar.cursor import Tag
 from grammar.forms import ANYTHING
 from grammar.nouns import PREDICATES, Attribute, Noun
@@ -12,9 +14,61 @@ _SUPPORTS = ("on", "in", "under", "above")
 
 def tidied(tags: list[Tag]) -> list[Tag]:
     """Return the terminals with what only both neighbours tell."""
+    tags = _either_look(_carried(_lacking(_owners_first(tags))))
     tags = _things_described(_owned_alike(_joined_attributes(_commas(_fronted(tags)))))
     tags = _extraposed(_inverted(tags))
     return _excepted(_predicates(tags))
+
+
+def _lacking(tags: list[Tag]) -> list[Tag]:
+    """Say last what the things asked for are without: cups but no bowls on the table."""
+    at = next((i for i, t in enumerate(tags) if t.type == "LACKS"), 0)
+    if not at:
+        return tags
+    end = next(i + 1 for i in range(at, len(tags)) if tags[i].type == "NOUN")
+    lacks = Tag("THAT_NOT_REL", "together", tags[at].word)
+    return [*tags[:at], *tags[end:], lacks, *tags[at + 1 : end]]
+
+
+def _carried(tags: list[Tag]) -> list[Tag]:
+    """Say of what is on a thing where it is: a bed with a teddy on it is a teddy on a bed."""
+    at = next((i for i, t in enumerate(tags) if t.type == "CARRIES"), 0)
+    if not at:
+        return tags
+    link = next(i for i, t in enumerate(tags) if t.type == "REL")
+    first = link
+    while first and tags[first - 1].type in _NOUN_PHRASE:
+        first -= 1
+    carries = Tag("REL", tags[at].value, tags[at].word)
+    return [*tags[:first], *tags[link + 1 : at], carries, *tags[first:link], *tags[at + 1 :]]
+
+
+def _either_look(tags: list[Tag]) -> list[Tag]:
+    """Tell looks of which one must hold: a cup that is red or blue, which cups are red or blue."""
+    for i in range(1, len(tags) - 1):
+        if [t.type for t in tags[i - 1 : i + 2]] != ["ATTR", "OR", "ATTR"]:
+            continue
+        first = i - 1
+        while tags[first - 1].type in ("ATTR", "OR", "OR_LOOK"):
+            first -= 1
+        led = tags[first - 1]
+        ends = all(t.type in ("ATTR", "OR", "OR_LOOK") for t in tags[first:])
+        if led.type == "BE" and ends and tags[0].type in ("_WHICH", "_HOWMANY"):
+            far = any(t.type == "REL" for t in tags)
+            tags = [*tags[: first - 1], Tag("_THAT_IS", far, led.word), *tags[first:]]
+        elif led.type != "_THAT_IS":
+            continue
+        tags = [*tags[:i], replace(tags[i], type="OR_LOOK"), *tags[i + 1 :]]
+    return tags
+
+
+def _owners_first(tags: list[Tag]) -> list[Tag]:
+    """Say whose they are before how many: exactly two of anna's cups."""
+    for i in range(len(tags) - 1):
+        if tags[i].type == "NUMBER" and tags[i + 1].type in ("OWNER", "DET"):
+            first = i - (i > 0 and tags[i - 1].type in ("_MOST", "_EXACTLY"))
+            tags = [*tags[:first], tags[i + 1], *tags[first : i + 1], *tags[i + 2 :]]
+    return tags
 
 
 def _extraposed(tags: list[Tag]) -> list[Tag]:
@@ -23,7 +77,7 @@ def _extraposed(tags: list[Tag]) -> list[Tag]:
     if not at:
         return tags
     end = at + 1
-    while end < len(tags) and tags[end].type in ("ATTR", "OWNED"):
+    while end < len(tags) and tags[end].type in ("ATTR", "OWNED", "OR_LOOK", *_CLAUSES):
         end += 1
     clause, rest = tags[at:end], [*tags[:at], *tags[end:]]
     relation = next((i for i, t in enumerate(rest) if t.type == "REL"), len(rest))
@@ -39,14 +93,39 @@ _CLAUSES = ("_THAT_IS", "_THAT_IS_NOT", "_NOT_MADE_OF")
 
 
 def _excepted(tags: list[Tag]) -> list[Tag]:
-    """Let what is excepted at the end be of the things asked for: `what is on it but the cup`."""
-    if not tags or tags[0].type != "_WHAT" or tags[-1].type != "NOUN":
+    """Let what is excepted be of the things asked for: `what is on it but the cup and the bowl`.
+
+    So where anything is asked for; of a certain thing it says which one, of its ground or of it.
+    """
+    at = next((i for i, t in enumerate(tags) if t.type == "_EXCEPT"), 0)
+    end = _except_end(tags, at)
+    if not at or tags[end - 1].type != "NOUN":
         return tags
-    at = max((i for i, t in enumerate(tags) if t.type == "_EXCEPT"), default=0)
-    described = [t.type for t in tags[at + 1 : -1]]
-    if not at or not {*described} <= {"DET", "OWNER", "ATTR"} or tags[2].type in ("NOUN", "DET"):
+    joints = ("AND", "OR")
+    others = [Tag("_EXCEPT", 0, t.word) if t.type in joints else t for t in tags[at:end]]
+    before, after = tags[:at], tags[end:]
+    figure = next((i for i, t in enumerate(before) if t.type in ("NOUN", "ONE")), None)
+    asked = before[1:2] and before[1].type in ("BE", "AUX")
+    bare = before[0].type == "_WHAT" and not (asked and tags[2].type in ("NOUN", "DET"))
+    if bare:
+        others = [replace(t, type="_BUT") if t.type == "_EXCEPT" else t for t in others]
+        return [*before, *after, *others]
+    noun = before[figure].value if figure is not None else None
+    if figure is None or not (isinstance(noun, Noun) and noun.category == ANYTHING):
         return tags
-    return [*tags[:at], Tag("_BUT", 0, tags[at].word), *tags[at + 1 :]]
+    return [*before[: figure + 1], *others, *before[figure + 1 :], *after]
+
+
+def _except_end(tags: list[Tag], at: int) -> int:
+    """Return the tag after all that is excepted at `at`: other than the cup and my bowl."""
+    end = last = at + 1
+    while end < len(tags) and tags[end].type in _LISTED:
+        end += 1
+        last = end if tags[end - 1].type == "NOUN" else last
+    return last
+
+
+_LISTED = ("DET", "OWNER", "ATTR", "NOUN", "AND", "OR", "_EXCEPT")
 
 
 def _fronted(tags: list[Tag]) -> list[Tag]:
@@ -131,6 +210,8 @@ def _joined_attributes(tags: list[Tag]) -> list[Tag]:
                 "_MADE_OF",
                 "_NOT_MADE_OF",
                 "_THAT_IS",
+                "_THAT_IS_NOT",
+                "_WITHOUT_PART",
                 "_EXCEPT",
                 "",
             )
@@ -143,27 +224,23 @@ def _joined_attributes(tags: list[Tag]) -> list[Tag]:
         if tag_.type == "OR" and denied and (before, after) == ("ATTR", "ATTR"):
             continue  # that is neither red nor white
         if tag_.type == "OR" and after in ("REL", "AT_PLACE"):
-            tag_ = Tag("OR_ITEM", "or", tag_.word)
+            tag_ = Tag("OR_ITEM", tag_.value, tag_.word)
         out.append(tag_)
     return out
 
 
 def _owned_alike(tags: list[Tag]) -> list[Tag]:
-    """Give a thing said after `and` the owner of the one before it: anna's shoes and bag.
-
-    What `or` joins is offered one at a time, each with its owner.
-    """
-    kinds = {t.type for t in tags}
-    if "OWNER" not in kinds or "OR" in kinds:
+    """Give a thing after `and` or `or` the owner of the one before it: anna's shoes and bag."""
+    if all(t.type != "OWNER" for t in tags):
         return tags
     out: list[Tag] = []
     owner: Tag | None = None
     for i, tag_ in enumerate(tags):
-        if tag_.type not in ("OWNER", "ATTR", "NOUN", "AND"):
+        if tag_.type not in ("OWNER", "ATTR", "NOUN", "AND", "OR"):
             owner = None
         elif tag_.type == "OWNER":
             owner = tag_
-        bare = i > 0 and tags[i - 1].type == "AND" and tag_.type in ("ATTR", "NOUN")
+        bare = i > 0 and tags[i - 1].type in ("AND", "OR") and tag_.type in ("ATTR", "NOUN")
         if bare and owner is not None:
             out.append(Tag("OWNER", owner.value, tag_.word))
         out.append(tag_)

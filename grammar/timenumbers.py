@@ -311,8 +311,8 @@ class NumberReader(JointReader):
                 digits = (value // 100, value % 100, True, 0)
                 return self._make("HHMM", digits, count + (following == "hours"))
             return None
-        if value > 24:
-            return None
+        if value > 24 or (following == "of" and self._at(count + 1) not in numbers.CARDINALS):
+            return None  # exactly one of the cups
         if following == "hundred":
             whole = count + 1 + (self._at(count + 1) in ("hours", "hour"))
             return self._make("HHMM", (value, 0, True, 0), whole)

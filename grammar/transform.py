@@ -54,7 +54,7 @@ def _described(things: Things, attributes: tuple[str, ...]) -> Things:
     if things.group is None:
         return things
     terms = tuple(replace(t, attributes=(*t.attributes, *attributes)) for t in things.group.terms)
-    return Things(Group(terms, things.group.choice), things.items)
+    return replace(things, group=replace(things.group, terms=terms))
 
 
 def _owned(words: tuple[Any, ...]) -> Things:
@@ -67,7 +67,7 @@ def _owned(words: tuple[Any, ...]) -> Things:
         replace(term, not_owner=whose.owner) if whose.isnt else replace(term, owner=whose.owner)
         for term in things.group.terms
     )
-    return Things(Group(terms, things.group.choice), things.items)
+    return replace(things, group=replace(things.group, terms=terms))
 
 
 _EVERY = ("everything", "all")
@@ -202,13 +202,13 @@ class Meanings(Terms):
         return Meaning("what", things)
 
     def what_but(self, *words: Any) -> Meaning:
-        """Rule what: _WHAT aux tail but. What is left out is left out of the things asked for."""
-        without = next(w.without for w in words if isinstance(w, Change))
-        figure = Group((replace(THING, without=without),))
+        """Rule what: _WHAT aux tail but+. What is left out is left out of the things asked for."""
+        others = tuple(term for w in words if isinstance(w, Change) for term in w.other_than)
+        figure = Group((replace(THING, other_than=others),))
         return Meaning("what", Things(figure, items_of(words)))
 
     def what_attribute(self, *words: Any) -> Meaning:
-        """Rule what: _WHAT tail aux PREDICATE+."""
+        """Rule what: _WHAT tail? aux PREDICATE+."""
         thing = replace(THING, attributes=_predicates(words))
         return Meaning("what", Things(Group((thing,)), items_of(words)))
 

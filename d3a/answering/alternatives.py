@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 from math import prod
 
@@ -70,5 +69,5 @@ def _worth(candidate: Candidate) -> float:
 
 
 def _said(term: ObjectTerm) -> str:
-    words: Sequence[str] = (*term.attributes, term.word)
-    return " ".join(words)
+    whose = {None: "", "me": "my", "you": "your"}.get(term.owner, f"{term.owner}'s")
+    return " ".join((*([whose] if whose else ()), *term.attributes, term.word))

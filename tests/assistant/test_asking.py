@@ -77,7 +77,7 @@ def test_every_backend_gives_the_same_answer(make_store: Callable[[], Store]) ->
         ("Why did I leave my cup?", "out_of_scope"),
         ("florp the zzz of", "not_understood"),
         ("", "not_understood"),
-        ("Did you see the cup or the bowl?", "ambiguous"),
+        ("Where is the cup or the bowl?", "ambiguous"),
     ],
 )
 def test_what_cannot_be_answered_says_where_and_what_would_do(

@@ -71,7 +71,7 @@ def test_a_kind_that_is_left_out_is_not_told(home: Home) -> None:
     [
         (ObjectTerm("unicorn"), "not unicorn"),
         (ObjectTerm("cup", attributes=("plastic",)), "not plastic cup"),
-        (ObjectTerm("cup", owner="anna"), "not cup"),
+        (ObjectTerm("cup", owner="anna"), "not anna's cup"),
     ],
 )
 def test_what_cannot_be_told_is_not_left_out_and_said(

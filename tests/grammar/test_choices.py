@@ -18,21 +18,6 @@ NOW = datetime.fromisoformat("2020-01-01T18:00:00-05:00")
         ("Where is the laptop or the kettle?", ("Where is the laptop?", "Where is the kettle?")),
         ("the laptop or the kettle?", ("the laptop?", "the kettle?")),
         (
-            "did you see the cup or the bowl in the kitchen last night",
-            (
-                "did you see the cup in the kitchen last night",
-                "did you see the bowl in the kitchen last night",
-            ),
-        ),
-        (
-            "Did you see the cup, the bowl or the kettle today?",
-            (
-                "Did you see the cup today?",
-                "Did you see the bowl today?",
-                "Did you see the kettle today?",
-            ),
-        ),
-        (
             "How many cups and bowls are on the counter?",
             ("How many cups are on the counter?", "How many bowls are on the counter?"),
         ),
@@ -59,20 +44,27 @@ NOW = datetime.fromisoformat("2020-01-01T18:00:00-05:00")
             ("Where was my cup this morning?", "Where was my bowl this morning?"),
         ),
         (
-            "did you see Anna's red cup, bowl or blue plate in the kitchen?",
+            "where were Anna's red cup, bowl or blue plate in the kitchen?",
             (
-                "did you see Anna's red cup in the kitchen?",
-                "did you see Anna's bowl in the kitchen?",
-                "did you see Anna's blue plate in the kitchen?",
+                "where were Anna's red cup in the kitchen?",
+                "where were Anna's bowl in the kitchen?",
+                "where were Anna's blue plate in the kitchen?",
             ),
         ),
-        ("is my cup on the table or desk?", ("is my cup on the table?", "is my cup on the desk?")),
+        (
+            "where was the cup, the bowl or the kettle today?",
+            (
+                "where was the cup today?",
+                "where was the bowl today?",
+                "where was the kettle today?",
+            ),
+        ),
         ("where is a cup or apple", ("where is a cup", "where is an apple")),
         ("where is a bowl or the cup", ("where is a bowl", "where is the cup")),
         ("where are two cups or bowls", ("where are two cups", "where are bowls")),
         (
-            "what is on the table or on the chair yesterday",
-            ("what is on the table yesterday", "what is on the chair yesterday"),
+            "what was on the table and on the chair yesterday",
+            ("what was on the table yesterday", "what was on the chair yesterday"),
         ),
         (
             "um, can you tell me where the cup or the bowl is please",
@@ -94,14 +86,6 @@ def test_each_choice_is_the_question_with_one_thing_said(
 @pytest.mark.parametrize(
     ("text", "offered"),
     [
-        (
-            "light blue or dark blue cup",
-            ("Where is the light blue cup?", "Where is the dark blue cup?"),
-        ),
-        (
-            "where is my light blue or dark blue cup",
-            ("Where is my light blue cup?", "Where is my dark blue cup?"),
-        ),
         ("anna's or tom's keys", ("Where is anna's key?", "Where is tom's key?")),
         (
             "what was on or under the table",
@@ -119,10 +103,8 @@ def test_what_cannot_be_cut_out_of_the_text_is_spelled(text: str, offered: tuple
     "text",
     [
         "Where is the laptop or the kettle?",
-        "light blue or dark blue cup",
         "what is on the table and on the chair?",
         "is the book under or on the table",
-        "is the cup in the kitchen or the hall",
         "is the lamp on the left or right of the bed",
         "where are anna's or tom's keys",
     ],

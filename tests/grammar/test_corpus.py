@@ -58,6 +58,8 @@ def whole(term: Json, var: str) -> Json:
             **record["where"],
             "object": whole(record["where"]["object"], "x"),
         }
+    others = {name: record[name] for name in ("or_else", "other_than") if name in record}
+    record |= {name: [whole(other, "x") for other in said] for name, said in others.items()}
     return record
 
 
