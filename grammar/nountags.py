@@ -87,11 +87,18 @@ class NounTagger(ClauseTagger):
         place, end = self._place_at(k)
         if not place or (preposition == "on" and place not in ON_PLACES):
             return False
+        if preposition in ("to", "from") and self._last() == "NOUN" and not self._moving():
+            self.i = end  # the key to the shed, the box from the attic: which one it is
+            return True
         denied = self._last() == "THAT_NOT"  # that is not in the kitchen
         if denied:
             self.out.tags.pop()
         self._emit("NOT_AT_PLACE" if denied else "AT_PLACE", place, end - self.i)
         return True
+
+    def _moving(self) -> bool:
+        """Whether it is asked what moved, or what is gone: the place is where to or where from."""
+        return any(t.type in ("MOVED", "GO", "MISSING") for t in self.out.tags)
 
     def _outside(self) -> bool:
         """Read outside the kitchen, the box, as not in it, and outside the door as near it."""

@@ -20,7 +20,7 @@ _NUMBERED = words_of(
 )
 """What has its number said after it: shelf 2, box three."""
 
-_NOUNS_TOO = ("can", "saw", "record")
+_NOUNS_TOO = ("can", "saw", "record", "list")
 _AFTER_VERBS = DETERMINERS | {*OWNERS, "i", "we", "you", "it", "he", "she", "they", "one", "be"}
 
 

@@ -7,6 +7,7 @@ from grammar.nouns import Attribute, Noun
 from grammar.phrases import phrases, place_follows
 from grammar.verbtags import VerbTagger
 
+SUPERLATIVES = ("nearest", "closest")
 _WITHIN = ("corner of", "middle of", "center of", "centre of", "end of")
 _PARTS_OF = frozenset(("back", "side", "edge", "top", "front", "arm", "end", "surface", "rim"))
 
@@ -18,6 +19,8 @@ class RelationTagger(VerbTagger):
         following = self.i + size
         if said in ("above", "below") and self._last() == "DET":
             return False
+        if said.partition(" ")[0] in SUPERLATIVES and self._last() == "DET":
+            self.out.tags.pop()  # which cup is the closest to the sink
         if not self.out.tags and self._text(following) in ("which", "what"):
             self._emit("PIED", kind, size)
             return True

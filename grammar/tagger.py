@@ -14,6 +14,7 @@ from grammar.forms import ANYTHING, ObjectTerm, Select
 from grammar.nouns import Noun
 from grammar.opentags import OpenTagger
 from grammar.phrases import phrases, stands_at
+from grammar.relationtags import SUPERLATIVES
 from grammar.sayings import AUXILIARIES
 from grammar.speech import SEEK
 from grammar.tidying import tidied
@@ -22,6 +23,8 @@ from grammar.words import Word
 
 _LIMITING = frozenset(("always", "only"))
 _INTENSIFIERS = frozenset(("right", "directly", "immediately", "straight"))
+_MINE = ("_WHERE", "BE", "SEE", "LEAVE")
+"""After these `me` before a noun is said for my."""
 _AREAS = ("room", "area", "house", "place", "location", "spot")
 _ABOUT = ("around", "somewhere", "anywhere", "someplace")
 _ALL = ("everything", "all", "every", "each")
@@ -267,6 +270,13 @@ class Tagger(OpenTagger):
             return False
         if self._last() == "" and said in ("up", "out"):
             return False
+        if said in SUPERLATIVES and self._text(self.i + size) in DETERMINERS | OWNERS.keys():
+            if self._last() == "DET":
+                self.out.tags.pop()
+            return self._relation("near", said, size)  # which chair is nearest the window
+        if said == "me" and self._last() in _MINE and self._open_at(self.i + size):
+            self._emit("OWNER", "me", size)  # have you seen me hat
+            return True
         event = said == "before" and self._text(self.i + size) in (*PRONOUNS, "i", "we", "you")
         if said in ("that", "which") or event:
             return False

@@ -12,6 +12,7 @@ from grammar.lalr import Token
 _ISO = re.compile(r"(\d{4})[-/.](\d{1,2})[-/.](\d{1,2})(?:t(\d{1,2}):(\d{2})(?::(\d{2}))?)?$")
 _SLASHED = re.compile(r"(\d{1,2})[-/.](\d{1,2})(?:[-/.](\d{4}|\d{2}))?$")
 _NAMED = re.compile(r"(\d{1,2})-([a-z]{3,9})-(\d{2,4})$")
+_YEAR_NAMED = re.compile(r"(\d{4})-([a-z]{3,9})-(\d{1,2})$")
 CLOCK = re.compile(r"(\d{1,2})[:.h](\d{2})(?::(\d{2}))?$")
 CLOCK_ENDS = words_of("HOUR MINUTE HHMM FIXED MERIDIEM _OCLOCK")
 """The terminals in which a clock time may end."""
@@ -58,13 +59,11 @@ class DigitReader:
             if hour is not None:
                 return self._make("STAMP", (year, month, day, hour, minute, second or 0), 1)
             return self._make("DATE", ("ymd", year, month, day), 1)
-        if match := _NAMED.match(self.word):
-            month = tw.MONTH_NUMBER.get(match[2])
-            return (
-                self._make("DATE", ("ymd", _year(match[3]), month, int(match[1])), 1)
-                if month
-                else None
-            )
+        if match := _NAMED.match(self.word) or _YEAR_NAMED.match(self.word):
+            named = tw.MONTH_NUMBER.get(match[2])
+            first, last = match[1], match[3]
+            in_year, on = (first, last) if len(first) == 4 else (last, first)
+            return self._make("DATE", ("ymd", _year(in_year), named, int(on)), 1) if named else None
         if (match := CLOCK.match(self.word)) and int(match[1]) <= 24 and int(match[2]) < 60:
             exact = len(match[1]) == 2 and match[1][0] == "0"
             second = int(match[3] or 0)

@@ -168,7 +168,8 @@ class _Reader(UnplacedReader):
                 continue
             if kind == "SAME" and not (self._day_named(length) or self._is("DAYS", "WEEKDAY")):
                 continue
-            if said.endswith(" before last") and self._at(length) in tw.WEEKDAY_NUMBER:
+            named = self._at(length) in tw.WEEKDAY_NUMBER or self._holiday_at(length)
+            if said.endswith(" before last") and named:
                 continue  # the day before last friday
             if kind == "EDGE" and not self._edges(length):
                 continue
@@ -219,15 +220,18 @@ class _Reader(UnplacedReader):
         """Whether a date stands at `k`: the week of the 15th, of may 3."""
         while self._at(k) in ("the", "of"):
             k += 1
+        named = k + (self._at(k) == "last")
         return (
             self._at(k)[:1].isdecimal()
             or self._at(k) in tw.MONTH_NUMBER
             or bool(self._at(k) and numbers.ordinal(self.words, self.i + k))
-            or self._at(k + (self._at(k) == "last")) in tw.WEEKDAY_NUMBER
-            or any(
-                " ".join(self.words[self.i + k : self.i + k + n]) in tw.HOLIDAYS for n in (1, 2, 3)
-            )
+            or self._at(named) in tw.WEEKDAY_NUMBER
+            or self._holiday_at(named)
         )
+
+    def _holiday_at(self, k: int) -> bool:
+        start = self.i + k
+        return any(" ".join(self.words[start : start + n]) in tw.HOLIDAYS for n in (1, 2, 3))
 
     def _edges(self, length: int) -> bool:
         following = self._at(length)
@@ -297,8 +301,10 @@ class _Reader(UnplacedReader):
         if word in tw.UNITS and (
             self._is("COUNT", "COUNT_OR", "_LASTN", "_LAST", "_LASTN1", "_THIS", "NTH")
         ):
-            if word == "night" and self._is("_LAST", "_THIS"):
-                return self._make("PART", "night", 1)
+            back = self._is("COUNT") and self._at(1) in ("ago", "back")
+            nights = word in ("night", "nights")
+            if nights and (back or self._is("_LAST", "_THIS")):
+                return self._make("PART", "night", 1)  # two nights ago
             weekend = word in ("weekend", "weekends")
             if weekend and not self._is("COUNT", "NTH"):
                 return self._make("WEEKEND", 0, 1)

@@ -270,6 +270,12 @@ class Meanings(Terms):
         kind: Any = stranded.value
         return Meaning("where", things.with_items((Related(kind, ground.group),)), newest=True)
 
+    def which_put(self, ground: Things, *words: Any) -> Meaning:
+        """Rule which: _WHICH things aux WHO act things STRANDED. Which drawer did I put it in."""
+        things = next(word for word in words if isinstance(word, Things))
+        meaning: Meaning = self.which_ground(ground, words[0], things, words[-1])
+        return meaning
+
     def which_pied(self, kind: Token, ground: Things, *words: Any) -> Meaning:
         """Rule which: PIED _WHICH things aux things. On which shelf is the book."""
         if ground.group is None:

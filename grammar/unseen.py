@@ -47,9 +47,10 @@ def _no_things(found: FormalQuery, said: list[str], lexicon: Lexicon) -> Iterato
 def _states(found: FormalQuery, said: list[str], lexicon: Lexicon) -> Iterator[tuple[str, str]]:
     """Yield a word that asks for a state of a thing, and why it is none that is known."""
     lists = scope.lists()
-    stated = found.ask in ("count", "whether", "what") and lists["state"]
     for term in found.objects[:1]:
-        if stated and stated & {*term.attributes, *term.without} - {"off", "on", "up", "down"}:
+        states = lists["state"] & {*term.attributes, *term.without} - {"off", "on", "up", "down"}
+        asked = any(_asked_for(state, said, lexicon) for state in states)
+        if asked and found.ask in ("count", "whether", "what"):
             yield said[-1], _STATES
     verb = said[:1] if found.ask == "whether" else said[1:2] if found.ask == "when" else []
     ends = verb in (["is"], ["are"], ["was"], ["were"])
@@ -59,6 +60,17 @@ def _states(found: FormalQuery, said: list[str], lexicon: Lexicon) -> Iterator[t
         content, vessel = (term.category for term in found.objects)
         if content in lists["liquid"] and vessel in lists["vessel"]:
             yield said[-1], "What is in a vessel is a state of it"
+
+
+def _asked_for(state: str, said: list[str], lexicon: Lexicon) -> bool:
+    """Whether a state is asked for, not said of a thing that one knows: a wet towel, my wet one."""
+    i = said.index(state) if state in said else 0
+    while i and said[i - 1] in lexicon.attributes:
+        i -= 1
+    return not i or said[i - 1] not in _DEFINITE or i + 1 == len(said)
+
+
+_DEFINITE = words_of("the my your our his her their this that these those")
 
 
 def _no_places(found: FormalQuery, said: list[str], lexicon: Lexicon) -> Iterator[tuple[str, str]]:
@@ -79,11 +91,14 @@ def _doings(found: FormalQuery, said: list[str], lexicon: Lexicon) -> Iterator[t
             yield said[-1], "It remembers things, not what became of them"
         if _attending(found, said):
             yield said[0], _PEOPLE
+        if first.category == "person" and not _DWELLING.isdisjoint(said):
+            yield said[-1], _PEOPLE
         named = first.category in lexicon.names and not _led(first.word, said)
         if (named or first.category in KIN) and first.category not in lexicon.taught:
             yield said[-1], _PEOPLE
 
 
+_DWELLING = words_of("live lives lived stay stays stayed work works worked sleep sleeps")
 _STATES = "It knows no states of things"
 _PEOPLE = "It remembers things, not the doings of people"
 

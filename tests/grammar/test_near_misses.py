@@ -6,7 +6,7 @@ from datetime import datetime
 
 import pytest
 
-from grammar import OutOfScope, QuestionError, parse
+from grammar import OutOfScope, QuestionError, parse, parse_report
 
 NOW = datetime.fromisoformat("2026-05-14T20:30:00+01:00")
 
@@ -119,8 +119,10 @@ def test_what_a_described_one_is_not_is_left_out() -> None:
     assert (box.attributes, set(box.without)) == (("big",), {"small", "cardboard"})
 
 
-def test_where_a_thing_came_from_is_still_a_place_or_no_question() -> None:
-    assert parse("where is the box from the attic", now=NOW).place == "attic"
+def test_where_a_thing_came_from_or_belongs_is_not_where_it_is() -> None:
+    assert parse("where is the box from the attic", now=NOW).place is None
+    assert parse("where is the key to the shed", now=NOW).place is None
+    assert parse("what is missing from the attic", now=NOW).place == "attic"
     with pytest.raises(QuestionError):
         parse("did you see the cup from the table", now=NOW)
 
@@ -152,3 +154,46 @@ def test_what_is_due_or_counted_inside_is_not_seen(text: str) -> None:
 
 def test_parts_that_are_seen_are_counted() -> None:
     assert parse("how many drawers does the desk have", now=NOW).ask == "count"
+
+
+@pytest.mark.parametrize(
+    ("said", "plainly"),
+    [
+        ("what drawer did i leave the batteries in", "in which drawer did i leave the "
+         "batteries"),
+        ("have you seen me hat", "have you seen my hat"),
+        ("which stool is nearest the window", "which stool is near the window"),
+        ("which stool is the closest to the window", "which stool is near the window"),
+        ("where is the washing up liquid", "where is the dishwashing liquid"),
+    ],
+)  # fmt: skip
+def test_spoken_forms_mean_what_the_plain_ones_do(said: str, plainly: str) -> None:
+    found, meant = (parse(text, now=NOW) for text in (said, plainly))
+    assert [(t.category, t.owner) for t in found.objects] == [
+        (t.category, t.owner) for t in meant.objects
+    ]
+    assert (found.relation, found.time, found.ask) == (meant.relation, meant.time, meant.ask)
+
+
+@pytest.mark.parametrize("look", ["ancient", "spotty", "wavy", "petite", "mauve", "cashmere"])
+def test_a_look_is_no_part_of_the_noun(look: str) -> None:
+    (term,) = parse(f"where is the {look} scarf", now=NOW).objects
+    assert (term.category, term.attributes) == ("scarf", (look,))
+
+
+def test_a_state_is_refused_where_it_is_asked_for_and_not_where_it_says_which() -> None:
+    assert parse("have you seen my wet red scarf", now=NOW).objects[0].attributes == ("wet", "red")
+    for asked in ("is there a wet towel in the sink", "how many empty jars are on the shelf"):
+        with pytest.raises(OutOfScope):
+            parse(asked, now=NOW)
+
+
+def test_nobody_is_counted_by_where_they_live() -> None:
+    assert parse("how many people are in the attic", now=NOW).ask == "count"
+    with pytest.raises(OutOfScope):
+        parse("how many people live here", now=NOW)
+
+
+@pytest.mark.parametrize("word", ["sand", "dill", "moose", "hutches", "scalpels"])
+def test_ordinary_words_are_not_respelled(word: str) -> None:
+    assert not parse_report(f"where is the {word}", now=NOW).corrections
