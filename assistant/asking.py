@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
@@ -16,6 +17,7 @@ from assistant.forgotten_words import but_forgotten
 from assistant.lexicon import VocabularyLexicon
 from assistant.own_words import as_heard
 from assistant.reply import sentence
+from assistant.rooms import EVERYTHING, everything_words, in_each_room, told_by_room
 from assistant.spots import of_the_spot, on_a_spot, told_as_place, without_itself
 from assistant.tense import planned
 from d3a.answer import Answer, Status
@@ -24,11 +26,11 @@ from d3a.answering.facts import Facts
 from d3a.execute import execute
 from d3a.model import BadInput, Json
 from d3a.parameters import Parameters
-from d3a.plan import Plan, Precision
+from d3a.plan import Plan, Precision, asks_where_all_is
 from d3a.store.base import FORGOTTEN, NativeQuery, Store, StoreError
 from grammar import StoreWords, parse, vocabulary
-from grammar.errors import OutOfScope, QuestionError
-from grammar.forms import FormalQuery
+from grammar.errors import NotUnderstood, OutOfScope, QuestionError
+from grammar.forms import FormalQuery, FormError
 from grammar.notation import looks_formal, read
 
 TOLD_FROM = 50
@@ -170,13 +172,25 @@ def ask(
 def read_question(
     store: Store, text: str, *, now: datetime, facts: Facts | None = None
 ) -> FormalQuery:
-    """Return the formal query of a question in words or in notation.
+    """Return the formal query of a question in words, in notation or as its JSON record.
 
     Raises QuestionError where it has none, StoreError where the store's words cannot be had.
     """
+    if text.lstrip().startswith("{"):
+        return _of_record(text)
     if looks_formal(text):
         return read(text, now=now)
     return parse(text, now=now, words=store_words(store, facts))
+
+
+def _of_record(text: str) -> FormalQuery:
+    """Return the formal query of its record as JSON text."""
+    try:
+        return FormalQuery.from_json(json.loads(text))
+    except json.JSONDecodeError as error:
+        raise NotUnderstood(text, error.pos, f"The record breaks off: {error.msg}.") from error
+    except FormError as error:
+        raise NotUnderstood(text, 0, f"The record makes no query: {error}.") from error
 
 
 def ask_query(
@@ -199,22 +213,39 @@ def ask_query(
         return replace(refusal(OutOfScope(query.text, 0, told)), query=query)
     try:
         facts = facts or Facts(store)
-        parameters = facts.parameters()
         query = on_a_spot(query, facts)
-        answer = execute(
-            planned(query, parameters, rung),
-            store,
-            VocabularyLexicon(),
-            now=now,
-            limit=max(limit, TOLD_FROM),
-            parameters=parameters,
-            facts=facts,
-        )
-        answer = _said(answer, query, facts, now)
+        most = max(limit, EVERYTHING if asks_where_all_is(query) else TOLD_FROM)
+        if rooms := in_each_room(query, facts.regions()):
+            each = [_answered(store, room, facts, now, most, rung) for room in rooms]
+            answer = told_by_room(query, each)
+        else:
+            answer = _answered(store, query, facts, now, most, rung)
+            answer = _said(answer, query, facts, now)
     except StoreError as error:
         return replace(failure(query.text, error), query=query)
     answer = within(answer, limit)
     return replace(answer, elapsed_ms=answer.elapsed_ms | {"total": _ms_since(started)})
+
+
+def _answered(
+    store: Store,
+    query: FormalQuery,
+    facts: Facts,
+    now: datetime,
+    limit: int,
+    rung: Precision | None,
+) -> Answer:
+    """Return the answer of a formal query without its sentence."""
+    parameters = facts.parameters()
+    return execute(
+        planned(query, parameters, rung),
+        store,
+        VocabularyLexicon(),
+        now=now,
+        limit=limit,
+        parameters=parameters,
+        facts=facts,
+    )
 
 
 def _asks_for_the_unseen(query: FormalQuery) -> bool:
@@ -231,7 +262,8 @@ def _said(answer: Answer, query: FormalQuery, facts: Facts, now: datetime) -> An
     answer, query = without_itself(answer, query), as_heard(query, facts)
     if answer.query is not None:
         answer = replace(answer, query=as_heard(answer.query, facts))
-    parts = (sentence(answer, now=now), of_the_spot(query, facts), _of_its_number(answer, query))
+    told = everything_words(answer, query) or sentence(answer, now=now)
+    parts = (told, of_the_spot(query, facts), _of_its_number(answer, query))
     said = " ".join(part for part in parts if part)
     if facts.meta(FORGOTTEN):
         said = but_forgotten(said, answer)

@@ -15,9 +15,11 @@ from assistant.phrases import (
     newest_of,
     said_many,
     term_of,
+    theirs,
 )
 from assistant.wording import how_sure
 from d3a.answer import Answer, RankedKeyframe, is_by_look
+from d3a.answering.match import said_alone
 from grammar.forms import ANYTHING, FormalQuery
 
 
@@ -62,8 +64,8 @@ def _seen(answer: Answer, query: FormalQuery, best: RankedKeyframe) -> str:
     views = max(int(best.why.get("views", best.seen)), best.seen)
     if query.ask != "where" and query.select == "all":
         views = max(views, sum(keyframe.seen for keyframe in likely_of(answer)))
-    told = query.ask == "where" or newest_of(answer) == best
-    if views == best.seen:
+    told = best.within is None and (query.ask == "where" or newest_of(answer) == best)
+    if views == best.seen and best.within is None:
         return f"seen {times(views)}"
     return (
         f"seen {times(best.seen)} then, {times(views)} in all"
@@ -83,6 +85,12 @@ def left_out(answer: Answer) -> str:
     if not answer.unjudged:
         return ""
     place = answer.query.place if answer.query is not None else None
-    told = [at_place(place) if place and w == f"in the {place}" else w for w in answer.unjudged]
+    terms = answer.query.terms if answer.query is not None else ()
+    owners = dict.fromkeys(term.owner for term in terms if term.owner)
+    untold = [owner for owner in owners if said_alone(owner) in answer.unjudged]
+    rest = [w for w in answer.unjudged if w not in {said_alone(owner) for owner in untold}]
+    told = [at_place(place) if place and w == f"in the {place}" else w for w in rest]
     spoken = [re.sub(r"\d+$", lambda m: number_word(int(m[0])), words) for words in told]
-    return f"I cannot tell what is {listed([f'“{words}”' for words in spoken])} here."
+    whose = f"Nobody told me what is {listed([theirs(owner) for owner in untold])}."
+    left = f"I cannot tell what is {listed([f'“{words}”' for words in spoken])} here."
+    return " ".join([whose] * bool(untold) + [left] * bool(spoken))

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from datetime import datetime
 
 from assistant.conditions import gathered_words
-from assistant.english import is_many, number_word, sentence_case, when
-from assistant.phrases import likely_of, said_many, term_of, where_words
+from assistant.english import is_many, number_word, sentence_case
+from assistant.phrases import likely_of, said_many, seen_when, term_of, where_words
 from d3a.answer import Answer, RankedKeyframe
 from grammar.forms import FormalQuery
 
@@ -51,10 +51,10 @@ def each_words(
 def where_each_is(answer: Answer, query: FormalQuery, thing: str, now: datetime) -> str:
     """Return where each of several things was last seen, and how many were gone since."""
     newest: dict[str, RankedKeyframe] = {}
-    for keyframe in sorted(likely_of(answer), key=lambda k: (k.end, -k.rank), reverse=True):
+    for keyframe in sorted(likely_of(answer), key=lambda k: (k.last, -k.rank), reverse=True):
         newest.setdefault(keyframe.object_id, keyframe)
     told, certain = each_words(answer, [*newest.values()], query, thing)
-    last = when(max(k.end for k in newest.values()), now)
+    last = seen_when(max(newest.values(), key=lambda k: k.last), now)
     number = sum(k.last_absent is not None for k in newest.values())
     verb = "was" if number == 1 else "were"
     lost = f" {sentence_case(number_word(number))} of them {verb} gone when I looked there again."

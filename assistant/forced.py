@@ -7,6 +7,7 @@ from dataclasses import replace
 from assistant.english import listed
 from assistant.phrases import described
 from d3a.answer import Answer
+from d3a.answering.match import said_alone
 from grammar import vocabulary
 from grammar.forms import ANYTHING, FormalQuery, ObjectTerm
 
@@ -48,6 +49,8 @@ def not_taught(answer: Answer, query: FormalQuery, term: ObjectTerm) -> str:
 
 
 def _heard(term: ObjectTerm, answer: Answer) -> ObjectTerm:
+    if term.owner is not None and said_alone(term.owner) in answer.unjudged:
+        term = replace(term, owner=None)  # a cup it was; nobody told that it is Anna's
     lead, _, head = term.word.rpartition(" ")
     if not lead or lead not in answer.unjudged:
         return term

@@ -5,9 +5,10 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from dataclasses import replace
-from datetime import datetime
+from datetime import datetime, timedelta
 
 from assistant.english import (
+    ago,
     article,
     clock,
     day_of,
@@ -17,12 +18,14 @@ from assistant.english import (
     number_word,
     plural,
     sentence_case,
+    slice_words,
+    when,
 )
 from d3a.answer import Answer, RankedKeyframe
 from d3a.colours import is_colour
 from d3a.rank import LEAST_OF_BEST
 from grammar import vocabulary
-from grammar.forms import ANYTHING, FormalQuery, ObjectTerm
+from grammar.forms import ANYTHING, FormalQuery, ObjectTerm, TimeSlice
 from grammar.nountags import KIN, ON_PLACES, PEOPLE
 from grammar.phrases import BARE_PLACES
 
@@ -136,6 +139,14 @@ def said_many(query: FormalQuery, term: ObjectTerm) -> bool:
     length = len(term.word.split())
     windows = (" ".join(words[i : i + length]) for i in range(len(words) - length + 1))
     return any(w != term.word and vocabulary.singular(w) == term.word for w in windows)
+
+
+def is_one(query: FormalQuery) -> bool:
+    """Whether the first object was said as one that is known: the wallet, my keys, Anna's cup."""
+    term = term_of(query)
+    nouns = "|".join(map(re.escape, (term.word, plural(term.word))))
+    said = rf"\bthe\s+([\w'-]+\s+){{0,{len(term.attributes)}}}({nouns})\b"
+    return term.owner is not None or re.search(said, query.text.casefold()) is not None
 
 
 def kind_of(keyframe: RankedKeyframe) -> str:
@@ -328,7 +339,7 @@ def tells_nothing(answer: Answer) -> bool:
     conditions = (query.relation is not None) + (query.place is not None) + whose
     conditions += len(term.other_than)
     anything = term.category == ANYTHING and not term.attributes
-    listing = query.ask in ("what", "whether", "count")
+    listing = query.ask in ("what", "whether", "count", "where")
     return anything and listing and 0 < conditions <= len(answer.unjudged)
 
 
@@ -341,7 +352,22 @@ def likely_of(answer: Answer) -> list[RankedKeyframe]:
 
 def newest_of(answer: Answer) -> RankedKeyframe:
     """Return the likely keyframe that was seen last, the better ranked of two."""
-    return max(likely_of(answer), key=lambda k: (k.end, -k.rank))
+    return max(likely_of(answer), key=lambda k: (k.last, -k.rank))
+
+
+def seen_when(keyframe: RankedKeyframe, now: datetime) -> str:
+    """Return when an object was seen last; within an asked slice that it outlasts, all of it."""
+    if keyframe.last == keyframe.end:
+        return when(keyframe.end, now)
+    end = keyframe.last + timedelta(milliseconds=1)  # that of the slice
+    return f"{slice_words(TimeSlice(keyframe.first, end), now)}, {ago(end, now)}"
+
+
+def last_words(answer: Answer, query: FormalQuery, now: datetime, seen: str = "") -> str:
+    """Return "last today at 9:42, 9 hours ago"; of what was asked of a moment, that moment."""
+    if query.time is not None and query.time.is_point:
+        return f"{seen}{slice_words(query.time, now)}"
+    return f"last {seen}{seen_when(newest_of(answer), now)}"
 
 
 def gone_words(

@@ -20,9 +20,9 @@ from assistant.forced import not_taught
 from assistant.phrases import (
     asked_place,
     definite,
-    described,
     gone_words,
     indefinite,
+    is_one,
     kind_of,
     noun_of,
     numbered,
@@ -70,9 +70,10 @@ def refusal_words(answer: Answer, query: FormalQuery, now: datetime) -> str:
     elif refused:
         told = f"{opening}{_none_like_it(answer, query, refused, now)}"
     elif answer.apart:
-        things = definite(term, plural(described(term, answer.unjudged)))
-        spread = counted(answer.apart, "place")
-        told = f"I saw {things} in {spread}{time}. I cannot be sure that they are the same."
+        many, spread = said_many(query, term), counted(answer.apart, "place")
+        things = indefinite(term, numbered(query, term, answer.unjudged), many=many)
+        same = "they are the same" if many else "it was the same one"
+        told = f"I saw {things} in {spread}{time}. I cannot be sure that {same}."
     elif change and answer.reason != "gone":
         verb = "moved" if query.ask == "moved" else ("went missing" if time else "is missing")
         seen = " that I saw" if query.ask == "missing" and query.relation is not None else ""
@@ -80,6 +81,9 @@ def refusal_words(answer: Answer, query: FormalQuery, now: datetime) -> str:
     elif answer.reason in ("not_then", "not_there"):
         place = condition if answer.reason == "not_there" else ""
         told = f"{opening}I did not see {none}{place}{time}."
+        if query.outside and query.place and query.relation is None and place:
+            only = definite(term, numbered(query, term, answer.unjudged))
+            told = f"I saw {only} nowhere but {asked_place(query, query.place)}{time}."
     elif answer.reason == "gone":
         verb = "were" if said_many(query, term) else "was"
         words = definite(term, numbered(query, term, answer.unjudged))
@@ -155,6 +159,8 @@ def _not_any_more(answer: Answer, query: FormalQuery, now: datetime) -> str:
     openings = {
         "whether": "" if query.negated else "No, not any more. ",
         "count": "None any more. ",
+        "when": "Not any more. ",
+        "how_long": "Not any more. ",
     }
     opening = openings.get(query.ask, "Nothing any more. ")
     assert other is not None  # what is gone was seen
@@ -177,7 +183,7 @@ def _instead(other: RankedKeyframe, answer: Answer, query: FormalQuery, now: dat
     pronoun = "some" if many else "one"
     if term_of(query).category == ANYTHING:
         pronoun = article(kind_of(other))
-    elif term_of(query).owner or query.ask in _OF_A_KNOWN_THING or answer.reason == "gone":
+    elif is_one(query) or query.ask in _OF_A_KNOWN_THING or answer.reason == "gone":
         pronoun = "them" if many else "it"
     opening = "I saw" if answer.reason == "not_then" else "I last saw"
     return f"{opening} {pronoun} {when(other.end, now)}{there}."

@@ -8,19 +8,19 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable
-from dataclasses import replace
 from datetime import datetime
 
 from assistant.amounts import amount_words
 from assistant.caveats import is_open, left_out, sureness
+from assistant.changed import missing_words, moved_words
 from assistant.conditions import condition_words, gathered_words
+from assistant.counting import count_words
 from assistant.each import asks_for_each, where_each_is
 from assistant.english import (
     article,
     clock,
     counted,
     day_of,
-    duration,
     listed,
     number_word,
     occasions,
@@ -29,6 +29,7 @@ from assistant.english import (
     when,
 )
 from assistant.forced import as_judged, not_judged
+from assistant.lasting import how_long_words, since_words
 from assistant.phrases import (
     definite,
     described,
@@ -36,32 +37,30 @@ from assistant.phrases import (
     gone_words,
     heads_of,
     indefinite,
-    is_room,
+    is_one,
     kind_of,
     kinds_of_broad,
+    last_words,
     likely_of,
     newest_of,
     nowhere_words,
     numbered,
     places_of,
     said_many,
+    seen_when,
     tells_nothing,
     term_of,
-    the_place,
     there_words,
     where_words,
 )
 from assistant.refusals import looking_into, refusal_words
 from assistant.tense import chooses_a_sighting
-from assistant.usually import usual_words
-from assistant.wording import FAIRLY_SURE, NOT_SURE
+from assistant.usually import often_words, usual_verdict, usual_words
+from assistant.wording import NOT_SURE
 from d3a.answer import Answer, RankedKeyframe
 from d3a.answering.points import MINUTE, edge_of
 from d3a.colours import is_colour
 from grammar.forms import Ask, FormalQuery, ObjectTerm, TimeSlice
-
-_LISTED = 3
-"""So many things of a longer list are told one by one; the rest stand in the table."""
 
 
 def sentence(answer: Answer, *, now: datetime) -> str:
@@ -84,6 +83,8 @@ def sentence(answer: Answer, *, now: datetime) -> str:
 
 
 def _whether(answer: Answer, query: FormalQuery, now: datetime) -> str:
+    if query.select == "usual" and not query.negated and answer.keyframes[0].group is None:
+        return usual_verdict(answer, query)
     if is_open(query) or (term_of(query).quantity is None and kinds_of_broad(answer, query)):
         return f"{_yes(answer, query)}{_what(answer, query, now)}"
     at = edge_of(query)
@@ -92,7 +93,7 @@ def _whether(answer: Answer, query: FormalQuery, now: datetime) -> str:
     term, condition = term_of(query), condition_words(answer, query)
     many = said_many(query, term)
     heads, newest = likely_of(answer), newest_of(answer)
-    said, last = when(newest.end, now), _last(answer, query, now)
+    said, last = seen_when(newest, now), last_words(answer, query, now)
     opening = _yes(answer, query)
     if together := gathered_words(answer, query):
         thing = together
@@ -101,9 +102,13 @@ def _whether(answer: Answer, query: FormalQuery, now: datetime) -> str:
             return told
         thing = counted(answer.count, described(term, answer.unjudged))
     else:
-        thing = indefinite(term, found_words(answer, query), many=many)
+        words = found_words(answer, query)
+        is_known = query.negated and is_one(query)
+        thing = definite(term, words) if is_known else indefinite(term, words, many=many)
     where = there_words(newest, query)
-    if answer.otherwise is not None:  # it may have moved since, under another id
+    elsewhere = _elsewhere(answer, query, now)
+    denied = query.negated and query.select == "all"
+    if answer.otherwise is not None and not denied:  # it may have moved, under another id
         since = when(answer.otherwise.end, now) + there_words(answer.otherwise, query)
         told = f"I cannot be sure. I last saw {thing}{condition} {said}{where}."
         return f"{told} I saw one that may be the same {since}."
@@ -117,14 +122,31 @@ def _whether(answer: Answer, query: FormalQuery, now: datetime) -> str:
         spread += f", maybe in {number_word(further)} more" * bool(further)
         more = f"{occasions(len(heads))}{' or more' if answer.truncated else ''}"
         told = f"{opening}I saw {thing}{condition} {more} in {spread}, {last}{where}."
-    return f"{told} {gone_words(newest, now, many=many)}".strip()
+    return f"{told} {elsewhere or gone_words(newest, now, many=many)}".strip()
+
+
+def _elsewhere(answer: Answer, query: FormalQuery, now: datetime) -> str:
+    """Return where a thing was too, of which it is asked whether it was not there; else ""."""
+    denied = query.negated and query.select == "all"
+    if not denied or answer.otherwise is None or not is_one(query):
+        return ""
+    pronoun = "them" if said_many(query, term_of(query)) else "it"
+    where = "there" if query.contrary else "elsewhere"
+    there = there_words(answer.otherwise, query)
+    return f"I saw {pronoun} {where} too, {when(answer.otherwise.end, now)}{there}."
 
 
 def _yes(answer: Answer, query: FormalQuery) -> str:
     """Return the word before what was seen; none where that is only a part of what was asked."""
     if answer.unjudged or not_judged(answer):
         return ""
-    return "No, there was: " if query.negated and not query.contrary else "Yes. "
+    if not query.negated or query.contrary:
+        return "Yes. "
+    if any(word in query.text.casefold().split() for word in ("see", "seen")):
+        return "I did: "
+    if not is_one(query):
+        return "No, there was: "
+    return "They were: " if said_many(query, term_of(query)) else "It was: "
 
 
 def _where(answer: Answer, query: FormalQuery, now: datetime) -> str:
@@ -146,11 +168,11 @@ def _where(answer: Answer, query: FormalQuery, now: datetime) -> str:
     if "same" in best.why:  # the detector had another word for it there
         words += f" (or {article(kind_of(best))} like {'them' if many else 'it'})"
     if where:
-        told = f"{sentence_case(where)}. I {last}{first}saw {words} there {when(best.end, now)}."
+        told = f"{sentence_case(where)}. I {last}{first}saw {words} there {seen_when(best, now)}."
     else:
         known = best.place or best.near  # named by the question, and so not told again
         blank = "" if known else f", but {nowhere_words(best)}"
-        told = f"I {last}{first}saw {words} {when(best.end, now)}{blank}."
+        told = f"I {last}{first}saw {words} {seen_when(best, now)}{blank}."
     others = places_of(likely_of(answer)) - 1
     if others and query.select == "all":
         told += f" I also saw {'one' if others == 1 else 'such things'} in "
@@ -219,7 +241,7 @@ def _where_each(answer: Answer, query: FormalQuery, now: datetime) -> str:
             continue
         there = there_words(best, query)
         last = "last " if query.select == "last" else ""
-        told.append(f"I {last}saw {definite(term, words)} {when(best.end, now)}{there}.")
+        told.append(f"I {last}saw {definite(term, words)} {seen_when(best, now)}{there}.")
     return " ".join(told)
 
 
@@ -230,21 +252,23 @@ def _is_of(keyframe: RankedKeyframe, term: ObjectTerm) -> bool:
 
 
 def _when(answer: Answer, query: FormalQuery, now: datetime) -> str:
+    if answer.stayed:
+        return since_words(answer, query, now)
     thing = _the_thing(answer, query)
     heads, best = likely_of(answer), answer.keyframes[0]
     there = there_words(best, query)
     if query.select in ("last", "first"):
-        moment = best.end if query.select == "last" else best.start
-        told = f"{sentence_case(when(moment, now))}{there}. "
+        told = seen_when(best, now) if query.select == "last" else when(best.first, now)
+        told = f"{sentence_case(told)}{there}. "
         told += f"That is when I {query.select} saw {thing}."
         many = said_many(query, term_of(query))
         gone = gone_words(best, now, many=many) if query.select == "last" else ""
         return f"{told} {gone}".strip()
     if len(heads) == 1:
-        return f"{sentence_case(when(best.end, now))}{there}. I saw {thing} once."
-    first = min(heads, key=lambda k: (k.start, k.rank)).start.astimezone(now.tzinfo)
+        return f"{sentence_case(seen_when(best, now))}{there}. I saw {thing} once."
+    first = min(heads, key=lambda k: (k.first, k.rank)).first.astimezone(now.tzinfo)
     more = f"{occasions(len(heads))}{' or more' if answer.truncated else ''}"
-    newest = when(newest_of(answer).end, now)
+    newest = seen_when(newest_of(answer), now)
     opening = f"I saw {thing} {more}"
     return f"{opening}, first {day_of(first, now)} at {clock(first)} and last {newest}."
 
@@ -257,6 +281,8 @@ def _the_thing(answer: Answer, query: FormalQuery) -> str:
 
 
 def _what(answer: Answer, query: FormalQuery, now: datetime) -> str:
+    if query.select == "usual" and query.ask == "what":
+        return often_words(answer, query)
     heads = heads_of(answer)
     somewhere = query.relation is not None or query.place is not None
     chosen = query.select == "first" or chooses_a_sighting(query)
@@ -276,108 +302,29 @@ def _what(answer: Answer, query: FormalQuery, now: datetime) -> str:
         things.append("other things")
     condition = condition_words(answer, query)
     if query.select == "last":
-        newest = when(newest_of(answer).end, now)
+        newest = seen_when(newest_of(answer), now)
         return f"I last saw {listed(things)}{condition}, the newest {newest}."
-    return f"I saw {listed(things)}{condition}, {_last(answer, query, now)}."
+    return f"I saw {listed(things)}{condition}, {last_words(answer, query, now)}."
 
 
 def _at_the_edge(answer: Answer, query: FormalQuery, now: datetime) -> str:
     """Return what was seen first or last of all: one thing, or several in the same moment."""
     is_first, best = query.select == "first", answer.keyframes[0]
-    moment = best.start if is_first else best.end
-    at_once = [k for k in likely_of(answer) if (k.start if is_first else k.end) == moment]
+    moment = best.first if is_first else best.last
+    at_once = [k for k in likely_of(answer) if (k.first if is_first else k.last) == moment]
     kinds = Counter({k.object_id: kind_of(k) for k in at_once or [best]}.values())
     things = [article(kind) if n == 1 else counted(n, kind) for kind, n in kinds.items()]
     there = there_words(best, query) if len(at_once) <= 1 else ""
     condition = condition_words(answer, query)
-    return f"I {query.select} saw {listed(things)}{condition} {when(moment, now)}{there}."
-
-
-def _last(answer: Answer, query: FormalQuery, now: datetime, seen: str = "") -> str:
-    """Return "last today at 9:42, 9 hours ago"; of what was asked of a moment, that moment."""
-    if query.time is not None and query.time.is_point:
-        return f"{seen}{slice_words(query.time, now)}"
-    return f"last {seen}{when(newest_of(answer).end, now)}"
-
-
-def _count(answer: Answer, query: FormalQuery, now: datetime) -> str:
-    words, together = described(term_of(query), answer.unjudged), gathered_words(answer, query)
-    said = sentence_case(together or counted(answer.count, words))
-    if answer.least < answer.count and not together:
-        said = f"At least {counted(answer.least, words)} and at most {number_word(answer.count)}"
-    last = _last(answer, query, now, "seen ")
-    once = sum(1 for k in heads_of(answer) if "tentative" in k.why)
-    unsure = f" {sentence_case(counted(once, words))} of them I saw only once." if once else ""
-    unsure = unsure if 0 < once < answer.count else ""
-    return f"{said}{condition_words(answer, query)}, {last}.{unsure}"
-
-
-def _how_long(answer: Answer, query: FormalQuery, now: datetime) -> str:
-    thing = _the_thing(answer, query)
-    seconds, last = answer.value or 0.0, _last(answer, query, now)
-    if seconds < 1:
-        return f"I saw {thing} only in passing, {last.removeprefix('last ')}."
-    return f"About {duration(seconds)}: that is how long I saw {thing}, {last}."
+    told = when(moment, now) if is_first else seen_when(best, now)
+    return f"I {query.select} saw {listed(things)}{condition} {told}{there}."
 
 
 def _how_often(answer: Answer, query: FormalQuery, now: datetime) -> str:
     thing = _the_thing(answer, query)
     often = sentence_case(occasions(round(answer.value or 0)))
-    last = _last(answer, query, now, f"saw {thing} ")
+    last = last_words(answer, query, now, f"saw {thing} ")
     return f"{often}. I {last}."
-
-
-def _moved(answer: Answer, query: FormalQuery, now: datetime) -> str:
-    """Return what was at another place when it was seen again; when it moved, nobody saw."""
-    once, anywhere = _each_once(answer), replace(query, place=None, outside=False)
-    sure = [k for k in once if k.score >= FAIRLY_SURE]
-    told = []
-    for keyframe in (sure or once)[:_LISTED]:
-        where = where_words(keyframe, anywhere) or "at a place that has no name"
-        told.append(f"the {kind_of(keyframe)}, {where} {when(keyframe.end, now)}")
-    number = len(sure) or answer.count
-    things, condition = sentence_case(counted(number, "thing")), condition_words(answer, query)
-    if query.relation is not None and condition:  # the row may be where it went
-        condition = f" to or from a spot{condition}"
-    elif query.place is not None and is_room(query.place) and condition:
-        condition = f" into, within or out of {the_place(query.place)}"
-    said = f"{things} may have moved{condition}"
-    if sure:
-        seen = "it" if number == 1 else "them"
-        said = f"At least {counted(number, 'thing')} had moved{condition}"
-        said += f" when I saw {seen} again"
-    among = ", among them" if len(told) < number else ""
-    rest = answer.count - number
-    more = f" {sentence_case(counted(rest, 'other thing'))} may have moved." if rest else ""
-    return f"{said}{among}: {'; '.join(told)}.{more}"
-
-
-def _missing(answer: Answer, query: FormalQuery, now: datetime) -> str:
-    told = []
-    for keyframe in _each_once(answer)[:_LISTED]:
-        where = where_words(keyframe, query)
-        there = f" {where}," if where else ""
-        told.append(f"the {kind_of(keyframe)}, last seen{there} {when(keyframe.end, now)}")
-    verb = "is" if answer.count == 1 else "are"
-    number = sentence_case(counted(answer.count, "thing"))
-    where = condition_words(answer, query)
-    return f"{number} {verb} no longer{where or ' in place'}{_among(told, answer)}."
-
-
-def _each_once(answer: Answer) -> list[RankedKeyframe]:
-    """Return the best ranked keyframe of each object: a thing may have moved twice."""
-    once: dict[str, RankedKeyframe] = {}
-    for keyframe in heads_of(answer):
-        once.setdefault(keyframe.object_id, keyframe)
-    return list(once.values())
-
-
-def _among(told: list[str], answer: Answer) -> str:
-    """Return a list of things, and that it is not all of them where it is not.
-
-    Each has commas of its own, so that they are parted by semicolons.
-    """
-    return f"{', among them' if len(told) < answer.count else ''}: {'; '.join(told)}"
 
 
 _ASKED: dict[Ask, Callable[[Answer, FormalQuery, datetime], str]] = {
@@ -385,9 +332,9 @@ _ASKED: dict[Ask, Callable[[Answer, FormalQuery, datetime], str]] = {
     "where": _where,
     "when": _when,
     "what": _what,
-    "count": _count,
-    "how_long": _how_long,
+    "count": count_words,
+    "how_long": how_long_words,
     "how_often": _how_often,
-    "moved": _moved,
-    "missing": _missing,
+    "moved": moved_words,
+    "missing": missing_words,
 }

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import pairwise
 
 from d3a.parameters import Parameters
-from d3a.plan import Plan, Precision, plan
+from d3a.plan import Lasting, Plan, Precision, plan
 from grammar.forms import FormalQuery
 
 _IS = frozenset({"is", "are", "isn't", "aren't", "whats", "theres"})
@@ -16,6 +17,8 @@ _WAS = frozenset(
 )
 
 
+_SEEING = frozenset({"see", "saw", "seen", "view", "watch", "watched", "look", "looked"})
+_HAS = frozenset({"has", "have", "hasn't", "haven't"})
 _NOW = frozenset({"now", "currently", "presently"})
 
 
@@ -29,6 +32,7 @@ def planned(query: FormalQuery, parameters: Parameters, precision: Precision | N
         parameters=parameters,
         precision=precision,
         sighting=chooses_a_sighting(query),
+        lasting=lasting(query),
     )
 
 
@@ -39,16 +43,36 @@ def chooses_a_sighting(query: FormalQuery) -> bool:
     return query.ask == "what" and query.select == "last" and past
 
 
+def lasting(query: FormalQuery) -> Lasting | None:
+    """Return how its time at a place is asked for: all of it, or since when; None where it is not.
+
+    "How long was it on the table?" asks when it was put there and taken away, "How long did you
+    see it there?" for the time in view. What has been there is there still.
+    """
+    somewhere = query.relation is not None or query.place is not None
+    if not somewhere or query.negated or (query.relation is not None and query.relation.negated):
+        return None
+    words = _words(query.text)
+    if query.ask == "when":
+        since = ("since", "when") in pairwise(words)
+        return "newest" if since and query.time is None else None
+    if query.ask != "how_long" or any(word in _SEEING for word in words):
+        return None
+    still = "been" in words and any(word in _HAS for word in words)
+    return "newest" if (still or _is_present(query.text)) and query.time is None else "all"
+
+
 def as_of_now(query: FormalQuery) -> FormalQuery:
     """Return the query with `select` "last" where it asks what is somewhere now.
 
     "What is on the table?" is about the present and "What was on the table?" about all times;
     their formal queries are the same. Only what may be somewhere is asked so: a relation or a
-    place, and no time.
+    place, and no time. Since when it has been so is asked of what is there still.
     """
     somewhere = query.relation is not None or query.place is not None
     asked = query.ask in ("what", "whether", "count") and query.select == "all"
-    if not (somewhere and asked and query.time is None and _is_present(query.text)):
+    now = somewhere and asked and query.time is None and _is_present(query.text)
+    if not now and lasting(query) != "newest":
         return query
     return replace(query, select="last")
 

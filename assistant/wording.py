@@ -72,7 +72,7 @@ def keyframe_row(keyframe: RankedKeyframe, now: datetime) -> tuple[str, ...]:
     """Return category, time, place, how sure, seen: the columns of a row, data made harmless."""
     return (
         clean(keyframe.category),
-        short_time(keyframe.end, now),
+        short_time(keyframe.last, now),
         clean(place_words(keyframe)),
         how_sure(keyframe),
         seen_words(keyframe),

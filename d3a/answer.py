@@ -32,7 +32,8 @@ class RankedKeyframe:
     start, end: the sighting's closed interval, in the home's zone. group: the moment of a relation.
     beyond: the nearest landmark and its distance in metres where none is `near`, for the sentence;
     not part of the record. vague: a landmark as far off as the position is uncertain, where that
-    is too uncertain to be told as `near`; for the sentence too.
+    is too uncertain to be told as `near`; for the sentence too. within: the part of the interval
+    in the asked slice, where that is not all of it: nobody is told of a time not asked about.
     """
 
     rank: int
@@ -54,6 +55,17 @@ class RankedKeyframe:
     group: int | None = None
     beyond: tuple[str, float] | None = None
     vague: str | None = None
+    within: tuple[datetime, datetime] | None = None
+
+    @property
+    def first(self) -> datetime:
+        """Return when it was seen first in the interval, as far as that was asked about."""
+        return self.within[0] if self.within is not None else self.start
+
+    @property
+    def last(self) -> datetime:
+        """Return when it was seen last in the interval, as far as that was asked about."""
+        return self.within[1] if self.within is not None else self.end
 
     def to_json(self) -> Json:
         """Return the keyframe's record, every field present."""
@@ -88,11 +100,14 @@ class Answer:
     seen before and after a moment, whether there was any look then (into the asked room); for the
     sentence, not part of the record.
     count of a no: how many there were where more were asked for.
+    amounts: of several objects that were counted at once, the least and the most of each.
+    stayed: from when to when it was so whenever it was seen, by time, where how long is asked;
+    in_view: for how many seconds of that it was seen; for the sentence, as the next four.
     least: how many of `count` must be different things: a moved one may have got a new id.
     apart: for a no about moving, at how many places things were seen then that may be one.
     denied: of how many things people said that they are not the owner's who is asked about, so
-    that they were left out; precision: the rung of the matching ladder that was forced; all four
-    for the sentence. elapsed_ms: parse, retrieve, rank, total.
+    that they were left out; precision: the rung of the matching ladder that was forced.
+    elapsed_ms: parse, retrieve, rank, total.
     """
 
     text: str = ""
@@ -110,6 +125,9 @@ class Answer:
     looked_then: bool | None = None
     least: int = 0
     apart: int = 0
+    amounts: tuple[tuple[int, int], ...] = ()
+    stayed: tuple[tuple[datetime, datetime], ...] = ()
+    in_view: float = 0.0
     denied: int = 0
     precision: str | None = None
     truncated: bool = False

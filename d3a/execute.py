@@ -21,17 +21,18 @@ from d3a.answering.bounded import (
     find_joined,
     finds_stays_late,
 )
-from d3a.answering.changes import missing, moved, usual
+from d3a.answering.changes import missing, moved, often, usual
 from d3a.answering.conclude import conclude
 from d3a.answering.facts import Facts
 from d3a.answering.lookalikes import later_names
-from d3a.answering.match import Candidate, Lexicon, in_room, rungs, unheard
+from d3a.answering.match import Candidate, Lexicon, in_room, rungs, said_alone, unheard
 from d3a.answering.miscalled import without_miscalled
 from d3a.answering.moments import Found
 from d3a.answering.places import last_look, probability_inside
 from d3a.answering.presence import keep_present
 from d3a.answering.relating import gather, relate_found
 from d3a.answering.run import Run, milliseconds
+from d3a.answering.stretches import stretches
 from d3a.answering.unfound import explain_empty
 from d3a.parameters import Parameters
 from d3a.plan import (
@@ -45,11 +46,13 @@ from d3a.plan import (
     FindObjects,
     FindSightings,
     FindStays,
+    FindStretches,
     Gather,
     JudgeAttributes,
     KeepInRoom,
     KeepMissing,
     KeepMoved,
+    KeepOften,
     KeepPresent,
     KeepUsual,
     LeaveOut,
@@ -127,12 +130,16 @@ def _take(run: Run, step: Step) -> None:
             gather(run, step)
         case Unite():
             run.leave_out(run.relation_words(step, [run.term(var) for var in step.vars[1:]]))
+        case FindStretches():
+            run.stretches = stretches(run, step.var)
         case KeepPresent():
             keep_present(run, step)
         case KeepMoved():
             run.moments = [*(run.moments or ()), *moved(run, step)]
         case KeepMissing():
             run.moments = [*(run.moments or ()), *missing(run, step)]
+        case KeepOften():
+            run.moments = [*often(run, step)]
         case KeepUsual():
             run.moments = [*(run.moments or ()), *usual(run, step)]
         case Measure():
@@ -177,12 +184,13 @@ def _find_objects(run: Run, step: FindObjects) -> None:
     table = Found({c.record.object_id: c for c in found})
     table.known = known
     run.found[step.var] = table
-    told = step.owner in ("me", "you") and run.query.ask not in ("what", "count")
+    one = run.query.ask not in ("what", "count") and step.category != ANYTHING
+    told = step.owner in ("me", "you") and one
     left_out = "-" in step.var  # whose they are is said of what is left out, see `leave_out`
     if step.owner is not None and found and not told and not left_out:
         mine = any(n.owner == step.owner for c in found for n in c.record.names)
         if not mine:
-            run.leave_out(_theirs(step.owner))
+            run.leave_out(said_alone(step.owner))
 
 
 def _not_theirs(run: Run, step: FindObjects, found: list[Candidate]) -> list[Candidate]:
@@ -191,14 +199,8 @@ def _not_theirs(run: Run, step: FindObjects, found: list[Candidate]) -> list[Can
         return found
     kept = [c for c in found if all(n.owner != step.not_owner for n in c.record.names)]
     if len(kept) == len(found):
-        run.leave_out(f"not {_theirs(step.not_owner)}")
+        run.leave_out(f"not {said_alone(step.not_owner)}")
     return kept
-
-
-def _theirs(owner: str | None) -> str:
-    """Return an owner as it is said alone: mine, hers, anna's."""
-    alone = {"me": "mine", "you": "yours", "her": "hers", "him": "his", "them": "theirs"}
-    return alone.get(owner or "", f"{owner}'s")
 
 
 def _candidates(run: Run, step: FindObjects, *, looks: bool) -> tuple[list[Candidate], bool]:

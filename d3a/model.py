@@ -10,6 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from grammar.forms import D3AError as D3AError
+
 Json = dict[str, Any]
 Box = tuple[float, float, float, float]
 """x1, y1, x2, y2 in pixels from the frame's top left."""
@@ -19,10 +21,6 @@ Image = Path | bytes | NDArray[np.uint8]
 """An encoded picture (file or bytes), or decoded pixels (h, w, 3), RGB."""
 Depth = Path | bytes | NDArray[np.float32]
 """A 16-bit PNG in millimetres (file or bytes), or decoded metres (h, w); 0 and NaN: nothing."""
-
-
-class D3AError(Exception):
-    """Base of every error that d3a raises for bad input or a failing store."""
 
 
 class BadInput(D3AError):  # noqa: N818  the name says what it is, as QuestionError's kin do

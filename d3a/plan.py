@@ -25,13 +25,16 @@ from d3a.answering.steps import (
     FindObjects,
     FindSightings,
     FindStays,
+    FindStretches,
     Gather,
     JudgeAttributes,
     KeepInRoom,
     KeepMissing,
     KeepMoved,
+    KeepOften,
     KeepPresent,
     KeepUsual,
+    Lasting,
     LeaveOut,
     Measure,
     Precision,
@@ -62,13 +65,16 @@ __all__ = [
     "FindObjects",
     "FindSightings",
     "FindStays",
+    "FindStretches",
     "Gather",
     "JudgeAttributes",
     "KeepInRoom",
     "KeepMissing",
     "KeepMoved",
+    "KeepOften",
     "KeepPresent",
     "KeepUsual",
+    "Lasting",
     "LeaveOut",
     "Measure",
     "Plan",
@@ -105,11 +111,13 @@ def plan(
     parameters: Parameters = DEFAULT,
     precision: Precision | None = None,
     sighting: bool = False,
+    lasting: Lasting | None = None,
 ) -> Plan:
     """Return the plan of a query. Pure: equal queries give equal plans.
 
     precision forces a rung of the matching ladder. sighting: `last` chooses a sighting; else what
-    was last somewhere is what is there now. parameters.profile "paper" answers “together”
+    was last somewhere is what is there now. lasting: a thing's time at a place is asked for, and
+    not the time it was in view. parameters.profile "paper" answers “together”
     as the paper does, by the union of what was found for each object; other relations are
     geometry in both profiles.
     """
@@ -140,9 +148,11 @@ def plan(
         steps.append(unite if united else _relate(query, names, negated))
     elif numbers_together(query):
         steps.append(_gather(query, names, polarity))
-    present = _asks_for_the_present(query) and not sighting
-    if present:
-        steps.append(KeepPresent(var))
+    if lasting is not None:
+        steps.append(FindStretches(var, lasting == "newest"))
+    present = (_asks_for_the_present(query) and not sighting) or lasting == "newest"
+    if present or asks_where_all_is(query):
+        steps.append(KeepPresent(var, anywhere=not present))
     kept = [step for name in _on_their_own(query, names) for step in _keep_steps(query, name)]
     steps += kept
     steps.append(Measure(query.ask, var, objects[0].quantity))
@@ -167,6 +177,13 @@ def _asks_for_the_present(query: FormalQuery) -> bool:
     somewhere = query.relation is not None or query.place is not None
     asked = query.ask in ("what", "whether", "count")
     return query.select == "last" and asked and somewhere and query.time is None
+
+
+def asks_where_all_is(query: FormalQuery) -> bool:
+    """Whether it is asked where everything is now, in a place or anywhere."""
+    category = query.objects[0].category if query.objects else ANYTHING
+    plain = query.relation is None and query.time is None and not query.negated
+    return plain and query.ask == "where" and query.select == "last" and category == ANYTHING
 
 
 def _object_steps(
@@ -296,6 +313,9 @@ def _keep_steps(query: FormalQuery, var: str) -> list[Step]:
         return [KeepMoved(var, time.start, time.end)]
     if query.ask == "missing":
         return [KeepMissing(var, time.start, time.end)]
+    if query.select == "usual" and query.ask == "what":
+        ground = query.objects[1].var if query.relation is not None and query.objects[1:] else None
+        return [KeepOften(var, ground, time.start, time.end)]
     if query.select == "usual":
         return [KeepUsual(var, time.start, time.end)]
     return []

@@ -124,7 +124,7 @@ def entry_parts(entry: Entry) -> Json:
         "detection": round(sighting.probability, 4),
         "views": stay.seen if stay is not None else sighting.seen,
     }
-    if _is_tentative(entry):
+    if is_tentative(entry):
         why["tentative"] = TENTATIVE
     if candidate.votes < 1.0:
         why["votes"] = round(candidate.votes, 4)  # it is in the match already
@@ -143,7 +143,7 @@ def _of_stay(entry: Entry) -> float:
     score = candidate.match
     if candidate.attributes:  # most are asked without, and the other factors are 1
         score *= math.prod(candidate.attributes.values())
-    if _is_tentative(entry):
+    if is_tentative(entry):
         score *= TENTATIVE
     for factor in (candidate.same, entry.place, entry.held):
         if factor < 1.0:
@@ -156,7 +156,8 @@ def _detected(entry: Entry) -> float:
     return views_probability(entry.sighting.probability, views)
 
 
-def _is_tentative(entry: Entry) -> bool:
+def is_tentative(entry: Entry) -> bool:
+    """Whether the thing, or its being there, was seen too seldom to be confirmed."""
     return entry.candidate.record.tentative or (entry.stay is not None and entry.stay.tentative)
 
 

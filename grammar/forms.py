@@ -42,7 +42,14 @@ ANYTHING = "object"
 VARIABLES = "xyzwvutsrqponm"
 
 
-class FormError(ValueError):
+class D3AError(Exception):
+    """Base of every error over bad input or a failing store; `d3a.D3AError` is this one.
+
+    It is here because formal queries are made of either side, and d3a stands on them.
+    """
+
+
+class FormError(D3AError, ValueError):
     """A record that is not a formal query: says the field, what stood and what may stand there."""
 
 

@@ -305,10 +305,11 @@ class _Reader:
             kind = said.replace(" ", "_")
             inner = self._term(self.line.objects[var], depth + 1)
             where = Where(cast("RelationKind", kind), inner, negated)
+        words = thing.words if "said" in self.line.settings else _noun_last(thing.words)
         return ObjectTerm(
-            category=thing.words[-1],
+            category=words[-1],
             word=thing.said or "",
-            attributes=tuple(thing.words[:-1]),
+            attributes=tuple(words[:-1]),
             without=tuple(thing.without),
             owner=thing.owner,
             quantity=thing.quantity,
@@ -318,6 +319,15 @@ class _Reader:
             or_else=tuple(self._term(self.line.objects[v], depth + 1) for v in thing.or_else),
             other_than=tuple(self._term(self.line.objects[v], depth + 1) for v in thing.other_than),
         )
+
+
+def _noun_last(words: list[str]) -> list[str]:
+    """Return the predicates of an object with its noun last: cup(x), red(x) is a red cup, too."""
+    nouns = [row for row, word in enumerate(words) if not _is_look(word)]
+    if not nouns or not _is_look(words[-1]):
+        return words
+    noun = nouns[-1]
+    return [*words[:noun], *words[noun + 1 :], words[noun]]
 
 
 def _is_look(word: str) -> bool:

@@ -42,7 +42,7 @@ def rows(keyframes: Sequence[RankedKeyframe], now: datetime, width: int) -> list
     briefer: tuple[tuple[int, Callable[[RankedKeyframe], str]], ...] = (
         (_SEEN, lambda k: f"{k.seen}x"),
         (_PLACE, lambda k: clean(place_words(k, brief=True))),
-        (_WHEN, lambda k: short_time(k.end, now, brief=True)),
+        (_WHEN, lambda k: short_time(k.last, now, brief=True)),
     )
     for column, told in briefer:
         if sum(_widths(table, kept)) > _room(kept, width):

@@ -55,7 +55,7 @@ def caption(shot: Shot | None, count: int, now: datetime, *, whole: bool, width:
     view = "whole picture" if whole else "crop; Enter: whole"
     where = clean(f"{keyframe.category}, {place_words(keyframe)}")
     words = (
-        f"Picture {keyframe.rank} of {count}  {where}, {short_time(keyframe.end, now)}  ({view})"
+        f"Picture {keyframe.rank} of {count}  {where}, {short_time(keyframe.last, now)}  ({view})"
     )
     return words if width_of(words) <= width else f"Picture {keyframe.rank} of {count}  ({view})"
 

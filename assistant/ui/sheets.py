@@ -272,7 +272,7 @@ class FloorSheet(Overlay):
         yield FloorView(id="floor-large")
         marked = {mark.label for mark in marks_of(self._keyframes)}
         lines = [
-            f"{k.rank}  {clean(place_words(k))}, {short_time(k.end, self._now)}"
+            f"{k.rank}  {clean(place_words(k))}, {short_time(k.last, self._now)}"
             for k in self._keyframes
             if str(k.rank) in marked
         ]

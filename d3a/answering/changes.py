@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from typing import Self
 
 from d3a.answering.departures import Left, Looks, share_left
-from d3a.answering.distinct import may_be_one
+from d3a.answering.distinct import may_be_one, rounds
 from d3a.answering.moments import Found, Moment, changes_of_place, entry_of, single, total_ms
 from d3a.answering.run import Run, milliseconds
-from d3a.answering.steps import KeepMissing, KeepMoved, KeepUsual
+from d3a.answering.steps import KeepMissing, KeepMoved, KeepOften, KeepUsual
 from d3a.store.base import Sighting, StayKey
 
 LEAST_STAY_MS = 1_000
@@ -27,7 +27,7 @@ class Slice:
     end_ms: int | None = None
 
     @classmethod
-    def of(cls, step: KeepMissing | KeepMoved | KeepUsual) -> Self:
+    def of(cls, step: KeepMissing | KeepMoved | KeepOften | KeepUsual) -> Self:
         """Return the slice of a step."""
         return cls(milliseconds(step.start), milliseconds(step.end))
 
@@ -64,12 +64,14 @@ def moved(run: Run, step: KeepMoved) -> list[Moment]:
                 stay = found.stays.get(after.stay)
                 linked = stay.moved_from if stay is not None else None
                 sure = linked[1] if linked is not None and linked[0] == before.place else 0.5
-                sure *= _share_within(when, before.end_ms, after.start_ms)
+                share = _share_within(when, before.end_ms, after.start_ms)
                 place = max(found.place.get(s.stay, 1.0) for s in (before, after))
                 held = max(found.held.get(s.stay, 1.0) for s in (before, after))
                 entry = entry_of(found, after)._replace(place=place, held=held)
                 relation = max(0.0, min(1.0, sure))
-                out.append(Moment((entry,), after.start_ms, after.end_ms, relation=relation))
+                span = (after.start_ms, after.end_ms)
+                within = None if share == 1.0 else share
+                out.append(Moment((entry,), *span, relation=relation, share=within))
     return out
 
 
@@ -136,13 +138,19 @@ def usual(run: Run, step: KeepUsual) -> list[Moment]:
     """Return the newest sighting of each stay with its share of the object's seen time.
 
     What others of its category, never seen in one round with it, were seen counts as its time
-    too: they may be the same thing at another place.
+    too: they may be the same thing at another place. Whether it is usually at a place asks for the
+    share of all the time that it was seen anywhere.
     """
     found, when = run.found[step.var], Slice.of(step)
     out: list[Moment] = []
-    seen = [s for s in found.sightings if when.holds(s.start_ms) or when.holds(s.end_ms)]
+    anywhere = run.before_place.get(step.var) or run.before_relation.get(step.var)
+    if anywhere is None or run.query.ask != "whether":
+        anywhere = found.sightings
+    seen = [s for s in anywhere if when.holds(s.start_ms) or when.holds(s.end_ms)]
     objects = by_object(seen)
-    for name, inside in objects.items():
+    for name, theirs in by_object(found.sightings).items():
+        inside = objects.get(name, [])
+        there = {sighting.stay for sighting in theirs}
         kind = found.candidates[name].record.category
         others = [
             theirs
@@ -160,10 +168,51 @@ def usual(run: Run, step: KeepUsual) -> list[Moment]:
         total = sum(lengths.values())
         total += sum(total_ms(_span(s) for s in theirs) for theirs in others)
         for stay, sighting in newest.items():
+            if stay not in there:
+                continue
             entry = entry_of(found, sighting)
             share = lengths[stay] / total
             out.append(Moment((entry,), sighting.start_ms, sighting.end_ms, share=share))
     return out
+
+
+def often(run: Run, step: KeepOften) -> list[Moment]:
+    """Return the newest moment of each thing with the share of the looks that showed it so.
+
+    A look is a round in which the ground was seen, or in the asked place anything at all. Things of
+    one category that were never there in one look count together: a cup was there each time.
+    """
+    when, moments = Slice.of(step), run.answering(step.var)
+    moments = [m for m in moments if when.holds(m.start_ms) or when.holds(m.end_ms)]
+    ground = run.found[step.ground or step.var].sightings
+    ground = [s for s in ground if when.holds(s.start_ms) or when.holds(s.end_ms)]
+    ground = ground or [moment.figure.sighting for moment in moments]  # a ground nobody knows
+    looks = [(one[0].start_ms, max(s.end_ms for s in one)) for one in rounds(ground)]
+    of: dict[str, list[Moment]] = {}
+    for moment in sorted(moments, key=lambda m: (m.end_ms, m.start_ms)):
+        of.setdefault(moment.figure.sighting.object_id, []).append(moment)
+    shown = {name: {k for m in so for k in _looks_at(looks, m)} for name, so in of.items()}
+    by_kind: dict[str, list[tuple[set[int], Moment]]] = {}
+    for name, so in sorted(of.items(), key=lambda each: (-len(shown[each[0]]), each[0])):
+        things = by_kind.setdefault(so[-1].figure.candidate.record.category, [])
+        alike = next((k for k, (own, _) in enumerate(things) if own.isdisjoint(shown[name])), None)
+        if alike is None:
+            things.append((shown[name], so[-1]))
+        else:
+            own, newest = things[alike]
+            things[alike] = own | shown[name], max(newest, so[-1], key=lambda m: m.end_ms)
+    return [
+        moment._replace(share=len(own) / len(looks))
+        for things in by_kind.values()
+        for own, moment in things
+    ]
+
+
+def _looks_at(looks: Sequence[tuple[int, int]], moment: Moment) -> list[int]:
+    """Return the looks that a moment touches; where it lies between two, the nearer."""
+    apart = [max(start - moment.end_ms, moment.start_ms - end, 0) for start, end in looks]
+    nearest = min(apart)
+    return [number for number, away in enumerate(apart) if away == nearest]
 
 
 def _span(sighting: Sighting) -> tuple[int, int]:

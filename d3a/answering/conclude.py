@@ -4,24 +4,27 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from datetime import datetime
+from datetime import datetime, timedelta
 
 from d3a.answer import Answer, RankedKeyframe
 from d3a.answering.distinct import least_number
-from d3a.answering.moments import Entry, total_ms
+from d3a.answering.moments import Entry, merged, single, total_ms
 from d3a.answering.run import Run, milliseconds
-from d3a.answering.steps import FindObjects
+from d3a.answering.steps import FindObjects, FindStretches
 from d3a.frozen import maker
 from d3a.model import Json
-from d3a.rank import Ranked, entry_score
+from d3a.rank import entry_score, is_tentative
 from d3a.store.base import Sighting
 from grammar.forms import VARIABLES, TimeSlice
 
 _ranked_keyframe = maker(RankedKeyframe)
+_TICK = timedelta(milliseconds=1)
+"""Times are kept in milliseconds."""
 
 
 def conclude(run: Run, limit: int) -> Answer:
     """Return the answer of a finished run, cut to `limit` keyframes, without its sentence."""
+    stayed = _stayed(run)
     keyframes, truncated = _keyframes(run, limit)
     moments = run.standing(one.moment for one in run.ranked)
     objects = {e.sighting.object_id for moment in moments for e in moment.entries[: run.figures]}
@@ -32,8 +35,11 @@ def conclude(run: Run, limit: int) -> Answer:
         reason=run.reason,
         query=run.query,
         count=max(len(objects), run.counted),
-        value=_value(run, least),
+        value=_value(run, least, stayed),
         least=least,
+        amounts=_amounts(run),
+        stayed=tuple([_span(run, span) for span in stayed]),
+        in_view=_in_view_ms(run) / 1000 if stayed else 0.0,
         apart=run.apart,
         denied=len(run.denied.get(VARIABLES[0], ())),
         precision=next((s.precision for s in run.steps if isinstance(s, FindObjects)), None),
@@ -58,7 +64,8 @@ def _keyframes(run: Run, limit: int) -> tuple[list[RankedKeyframe], bool]:
             break
         number = group if len(entries) > 1 else None
         for entry, why in zip(entries, one.why, strict=True):
-            out.append(keyframe(run, entry, len(out) + 1, one.score, why, group=number))
+            shown = keyframe(run, entry, len(out) + 1, one.score, why, group=number)
+            out.append(_within_slice(run, shown))
     kept = _whole_moments(out, limit)
     return kept, len(kept) < sum(len(one.moment.entries) for one in run.ranked)
 
@@ -123,7 +130,25 @@ def keyframe(
         why=why,
         group=group,
         beyond=spot.beyond,
+        within=None,
     )
+
+
+def _within_slice(run: Run, shown: RankedKeyframe) -> RankedKeyframe:
+    """Return a keyframe with the part of its interval in the asked slice, where it goes beyond.
+
+    A slice ends before its end. Around a moment and of a change what lies outside is asked for.
+    """
+    time = run.query.time
+    if time is None or time.is_point:
+        return shown
+    first, last = shown.start, shown.end
+    if time.start is not None and first < time.start <= last:
+        first = time.start.astimezone(first.tzinfo)
+    if time.end is not None and first < time.end <= last:
+        last = (time.end - _TICK).astimezone(last.tzinfo)
+    is_whole = (first, last) == (shown.start, shown.end)
+    return shown if is_whole else replace(shown, within=(first, last))
 
 
 def _otherwise(run: Run) -> RankedKeyframe | None:
@@ -137,15 +162,70 @@ def _otherwise(run: Run) -> RankedKeyframe | None:
 
 
 def least_of(run: Run) -> int:
-    """Return how many of the found objects must be different things, over their categories."""
+    """Return how many of the found objects must be different things, over their categories.
+
+    What was seen too seldom to be confirmed may be a mistake: it is one at least where all is so.
+    """
+    moments = run.standing(one.moment for one in run.ranked)
+    return _least([entry for moment in moments for entry in moment.entries[: run.figures]])
+
+
+def _least(entries: Sequence[Entry]) -> int:
     of: dict[str, list[Sighting]] = {}
-    for moment in run.standing(one.moment for one in run.ranked):
-        for entry in moment.entries[: run.figures]:
+    for entry in entries:
+        if not is_tentative(entry):
             of.setdefault(entry.candidate.record.category, []).append(entry.sighting)
-    return sum(least_number(sightings) for sightings in of.values())
+    return sum(least_number(sightings) for sightings in of.values()) or min(len(entries), 1)
 
 
-def _value(run: Run, least: int) -> float | None:
+def _amounts(run: Run) -> tuple[tuple[int, int], ...]:
+    """Return the least and the most of each of several objects that were counted at once."""
+    if run.query.ask != "count" or run.query.relation is not None or len(run.query.objects) < 2:
+        return ()
+    entries = [m.figure for m in run.standing(one.moment for one in run.ranked)]
+    out: list[tuple[int, int]] = []
+    for term in run.query.objects:
+        own = run.found[term.var].candidates
+        its = [entry for entry in entries if own.get(entry.sighting.object_id) is entry.candidate]
+        out.append((_least(its), len({entry.sighting.object_id for entry in its})))
+    return tuple(out)
+
+
+def _stayed(run: Run) -> list[tuple[int, int]]:
+    """Return from when to when it was so, in the asked slice; of what is so still, since when.
+
+    Then what was seen before that is told, too.
+    """
+    if not run.stretches or not run.ranked:
+        return []
+    found = next(step for step in run.steps if isinstance(step, FindStretches))
+    if not found.newest:
+        shown = {one.moment.figure.sighting.object_id for one in run.ranked}
+        spans = [(one.start_ms, one.end_ms) for one in run.stretches if one.object_id in shown]
+        return merged(_clipped(run, spans))
+    best = run.ranked[0].moment.figure.sighting.object_id
+    newest = [one for one in run.stretches if one.object_id == best][-1]
+    if newest.before is not None and run.otherwise is None:
+        table = run.found[found.var]
+        table.stays |= run.facts.stays_of([newest.before])
+        run.otherwise = single(table, newest.before)
+    return [(newest.start_ms, newest.end_ms)]
+
+
+def _span(run: Run, span: tuple[int, int]) -> tuple[datetime, datetime]:
+    start, end = (_moment(run, at_ms) for at_ms in span)
+    assert start is not None
+    assert end is not None
+    return start, end
+
+
+def _in_view_ms(run: Run) -> int:
+    """Return for how long it was seen to be so, in the asked slice."""
+    spans = [(one.moment.start_ms, one.moment.end_ms) for one in run.ranked]
+    return total_ms(_clipped(run, spans))
+
+
+def _value(run: Run, least: int, stayed: Sequence[tuple[int, int]]) -> float | None:
     """Return the number asked for: objects that must be different, seconds, sightings.
 
     Of things that were together: how many were so at once.
@@ -155,17 +235,16 @@ def _value(run: Run, least: int) -> float | None:
     if run.query.ask == "how_often":
         return float(len(run.ranked))
     if run.query.ask == "how_long":
-        return total_ms(_clipped(run, run.ranked)) / 1000
+        return (total_ms(stayed) if stayed else _in_view_ms(run)) / 1000
     return None
 
 
-def _clipped(run: Run, ranked: Sequence[Ranked]) -> list[tuple[int, int]]:
-    """Return the moments' intervals inside of the asked slice."""
+def _clipped(run: Run, spans: Sequence[tuple[int, int]]) -> list[tuple[int, int]]:
+    """Return the intervals inside of the asked slice."""
     time = run.query.time
     if time is None or time.is_point:  # how long around that moment
         time = TimeSlice()
     low, high = milliseconds(time.start), milliseconds(time.end)
-    spans = [(one.moment.start_ms, one.moment.end_ms) for one in ranked]
     return [
         (start if low is None else max(start, low), end if high is None else min(end, high))
         for start, end in spans

@@ -34,6 +34,15 @@ def rounds(sightings: Iterable[Sighting]) -> list[list[Sighting]]:
     return out
 
 
+def rounds_of(sightings: Iterable[Sighting]) -> dict[str, set[int]]:
+    """Return the rounds that showed each object, by number."""
+    shown: dict[str, set[int]] = {}
+    for number, one in enumerate(rounds(sightings)):
+        for sighting in one:
+            shown.setdefault(sighting.object_id, set()).add(number)
+    return shown
+
+
 def least_number(sightings: Sequence[Sighting]) -> int:
     """Return how many things of one category there must be: the most objects of one round."""
     return max((len({s.object_id for s in one}) for one in rounds(sightings)), default=0)

@@ -179,6 +179,12 @@ def owned(step: FindObjects, found: Sequence[Candidate]) -> list[Candidate]:
     return theirs or [c for c in found if all(n.owner is None for n in c.record.names)]
 
 
+def said_alone(owner: str) -> str:
+    """Return an owner as it is said alone: mine, hers, anna's."""
+    alone = {"me": "mine", "you": "yours", "her": "hers", "him": "his", "them": "theirs"}
+    return alone.get(owner, f"{owner}'s")
+
+
 @lru_cache(maxsize=4096)
 def squash(word: str) -> str:
     """Return a word without blanks, hyphens and case: detectors write `sportsball`."""

@@ -75,7 +75,8 @@ class Entry(NamedTuple):
 class Moment(NamedTuple):
     """What was asked for, once: its entries (figure first), its closed interval.
 
-    relation: how likely the asked relation held. share: of the object's time at this place.
+    relation: how likely the asked relation held. share: of the object's time at this place,
+    or of the time in which it moved that lies in the asked slice.
     absent_ms: when the place was seen without the object, for what is missing.
     """
 
@@ -94,6 +95,18 @@ class Moment(NamedTuple):
     def ids(self) -> tuple[str, ...]:
         """Return the ids of its objects, the figure's first."""
         return tuple([entry.sighting.object_id for entry in self.entries])  # quicker than lazily
+
+
+class Stretch(NamedTuple):
+    """A closed interval in which an object was so whenever it was seen.
+
+    before: the last sighting of it, or of what may be it, that was not so, before the interval.
+    """
+
+    object_id: str
+    start_ms: int
+    end_ms: int
+    before: Sighting | None = None
 
 
 def joined(sightings: Iterable[Sighting]) -> list[Sighting]:
@@ -187,14 +200,18 @@ def positions(stays: Sequence[StayRecord | None]) -> NDArray[np.float64]:
 
 def total_ms(intervals: Iterable[tuple[int, int]]) -> int:
     """Return the length of the union of closed intervals."""
-    ordered = sorted(intervals)
-    merged: list[tuple[int, int]] = []
-    for start, end in ordered:
-        if merged and start <= merged[-1][1]:
-            merged[-1] = (merged[-1][0], max(merged[-1][1], end))
+    return sum(end - start for start, end in merged(intervals))
+
+
+def merged(intervals: Iterable[tuple[int, int]]) -> list[tuple[int, int]]:
+    """Return the union of closed intervals as intervals apart from each other, by time."""
+    out: list[tuple[int, int]] = []
+    for start, end in sorted(intervals):
+        if out and start <= out[-1][1]:
+            out[-1] = (out[-1][0], max(out[-1][1], end))
         else:
-            merged.append((start, end))
-    return sum(end - start for start, end in merged)
+            out.append((start, end))
+    return out
 
 
 def changes_of_place(sightings: Sequence[Sighting]) -> list[tuple[Sighting, Sighting]]:

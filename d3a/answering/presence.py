@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping, Sequence
 
-from d3a.answering.distinct import rounds
+from d3a.answering.distinct import rounds_of
 from d3a.answering.moments import Entry, Found, Moment, entry_of, single
 from d3a.answering.run import Run
 from d3a.answering.steps import KeepPresent
@@ -20,10 +20,12 @@ from grammar.forms import ANYTHING, ObjectTerm
 
 def keep_present(run: Run, step: KeepPresent) -> None:
     """Keep what is so still; where neither place nor relation was judged there is no "still"."""
+    table = run.found[step.var]
     before = run.before_place.get(step.var) or run.before_relation.get(step.var)
+    if before is None and step.anywhere:
+        before = list(table.sightings)
     if before is None:
         return
-    table = run.found[step.var]
     others = (s for var, found in run.found.items() if var != step.var for s in found.sightings)
     newest = newest_of([*others, *before])
     kept, gone = present(run.answering(step.var), newest)
@@ -38,11 +40,31 @@ def keep_present(run: Run, step: KeepPresent) -> None:
         there = term.category == ANYTHING
         table.gone.append(sighting if there else newest[sighting.object_id])
     kept = [at_its_newest(moment, table, newest) for moment in kept]
-    kept = _doubted(run, term, table, kept, before)
+    if step.anywhere:
+        kept = _each_thing_once(table, kept, before)
+    else:
+        kept = _doubted(run, term, table, kept, before)
     if run.moments is not None:
         run.moments = kept
     else:
         table.sightings = [moment.figure.sighting for moment in kept]
+
+
+def _each_thing_once(
+    table: Found, kept: Sequence[Moment], before: Sequence[Sighting]
+) -> list[Moment]:
+    """Leave out what may have been seen since under a new id: the newest place counts."""
+    shown, newest = rounds_of(before), newest_of(before)
+
+    def is_later(name: str, moment: Moment) -> bool:
+        mine = moment.figure.candidate.record
+        return (
+            table.candidates[name].record.category == mine.category
+            and newest[name].start_ms > moment.end_ms
+            and shown[name].isdisjoint(shown[mine.object_id])
+        )
+
+    return [moment for moment in kept if not any(is_later(name, moment) for name in newest)]
 
 
 def _doubted(
@@ -60,7 +82,7 @@ def _doubted(
     newest = newest_of(before)
 
     is_any = term.category == ANYTHING
-    shown = _rounds_of(before) if term.attributes or not is_any else {}
+    shown = rounds_of(before) if term.attributes or not is_any else {}
 
     def is_alike(moment: Moment, name: str) -> bool:
         mine = moment.figure.sighting.object_id
@@ -87,15 +109,6 @@ def _doubted(
         best = max((s for each in doubts for s in each), key=lambda s: (s.end_ms, s.object_id))
         run.otherwise = single(table, best)
     return kept
-
-
-def _rounds_of(sightings: Sequence[Sighting]) -> dict[str, set[int]]:
-    """Return the rounds that showed each object, by number."""
-    shown: dict[str, set[int]] = {}
-    for number, one in enumerate(rounds(sightings)):
-        for sighting in one:
-            shown.setdefault(sighting.object_id, set()).add(number)
-    return shown
 
 
 def _newest_likeness(

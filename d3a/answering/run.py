@@ -11,7 +11,7 @@ from d3a.answer import Reason, Status
 from d3a.answering.facts import Facts
 from d3a.answering.landmarks import Landmarks
 from d3a.answering.match import Candidate, Lexicon, squash
-from d3a.answering.moments import Entry, Found, Moment, single
+from d3a.answering.moments import Entry, Found, Moment, Stretch, single
 from d3a.answering.spots import RuledOut, Spot
 from d3a.parameters import Parameters
 from d3a.plan import FilterPlace, FindObjects, Rank, Relate, Step, Unite
@@ -42,7 +42,8 @@ class Run:
     not to be the owner's. limit: of keyframes. cut: not every sighting
     was read; counted: of how many objects there are some; surely: how many of them must be
     different things, where that is too many; figures: how many of a moment's entries are what is
-    asked for, more than one of things that were together; since_ms: from when on a relation was
+    asked for, more than one of things that were together; stretches: from when to when they were
+    so, where that is asked; since_ms: from when on a relation was
     looked for, as the variables `reached` allow.
     """
 
@@ -78,6 +79,7 @@ class Run:
     suggestions: tuple[str, ...] = ()
     message: str | None = None
     rank_step: Rank | None = None
+    stretches: list[Stretch] = field(default_factory=list)
     plain: dict[str, dict[str, Candidate]] = field(default_factory=dict)
     rooms: dict[str, Region] = field(default_factory=dict)
     _spots: dict[StayKey, Spot] = field(default_factory=dict)

@@ -19,6 +19,8 @@ colour. attribute: of these, what holds the attributes. any: everything, whateve
 Forced, none of them goes on to wider, narrower or rarely given words.
 """
 Edge = Literal["first", "last"]
+Lasting = Literal["all", "newest"]
+"""How long a thing was somewhere in all, or since when it has been there."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -175,10 +177,25 @@ class Unite:
 
 
 @dataclass(frozen=True, slots=True)
-class KeepPresent:
-    """Keep each object's newest moment, where it was not seen elsewhere or seen gone since."""
+class FindStretches:
+    """Find from when to when the objects of `var` were so without being seen elsewhere between.
+
+    newest: it is asked since when one has been so, and no more than that is told.
+    """
 
     var: str
+    newest: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class KeepPresent:
+    """Keep each object's newest moment, where it was not seen elsewhere or seen gone since.
+
+    anywhere: where everything is is asked for, not what is at one place.
+    """
+
+    var: str
+    anywhere: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -204,6 +221,16 @@ class KeepUsual:
     """Keep a sighting a stay, by the share of the object's time that it lay there."""
 
     var: str
+    start: datetime | None = None
+    end: datetime | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class KeepOften:
+    """Keep the newest moment of each thing, by the share of the looks that showed it there."""
+
+    var: str
+    ground: str | None = None
     start: datetime | None = None
     end: datetime | None = None
 
@@ -283,10 +310,12 @@ Step = (
     | Relate
     | Gather
     | Unite
+    | FindStretches
     | KeepPresent
     | KeepMissing
     | KeepMoved
     | KeepUsual
+    | KeepOften
     | Measure
     | Rank
     | FindLaterNames

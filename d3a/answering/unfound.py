@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from d3a.answering.changes import by_object, left_places
 from d3a.answering.conclude import least_of
-from d3a.answering.distinct import things_of
+from d3a.answering.distinct import may_be_one, things_of
 from d3a.answering.moments import Found, Moment, in_slice, single
 from d3a.answering.places import last_look
 from d3a.answering.points import edge_of, looked_at
@@ -29,6 +29,8 @@ def explain_empty(run: Run, step: ExplainEmpty) -> None:
             return
         if edge_of(run.query) is not None:  # what was found may be of before and after
             run.looked_then = _looked_then(run, step)
+        elif run.query.ask == "whether" and run.query.negated:
+            _tell_elsewhere(run, step)
         return
     run.status = "not_found"
     best = run.ranked[0].moment if run.ranked else None
@@ -46,6 +48,17 @@ def explain_empty(run: Run, step: ExplainEmpty) -> None:
     _why(run, step, var)
     run.otherwise = run.otherwise or best
     run.find_landmarks()
+
+
+def _tell_elsewhere(run: Run, step: ExplainEmpty) -> None:
+    """Tell where it was too in the slice, of which it is asked whether it was not there."""
+    var = step.vars[0]
+    sifted = run.before_place.get(var) or run.before_relation.get(var)
+    if not sifted or run.otherwise is not None or run.query.select != "all":
+        return
+    shown = {e.sighting.stay for one in run.ranked for e in one.moment.entries}
+    away = [s for s in sifted if s.stay not in shown]
+    run.otherwise = _newest(run.found[var], away) if away else None
 
 
 def _is_another_number(run: Run) -> bool:
@@ -117,8 +130,9 @@ def _tell_refused(run: Run, var: str) -> None:
 def _seen_apart(run: Run, step: ExplainEmpty, var: str) -> None:
     """Note at how many places the word's things were seen, where any two may be one that moved.
 
-    So they may where the one was last seen before the other was first: within a round, too, a
-    thing may be carried. Else tell what left its place and was not seen again.
+    So they may where no round showed both, or where the one was last seen before the other was
+    first: within a round, too, a thing may be carried. Else tell what left its place and was not
+    seen again.
     """
     table, time = run.found[var], looked_at(step.time)
     start, end = milliseconds(time.start), milliseconds(time.end)
@@ -132,7 +146,11 @@ def _seen_apart(run: Run, step: ExplainEmpty, var: str) -> None:
         )
         for name, sightings in seen.items()
     )
-    if len(set(things.values())) < len(seen):
+    alike: dict[str, list[Sighting]] = {}
+    for sighting in inside:
+        kind = table.candidates[sighting.object_id].record.category
+        alike.setdefault(kind, []).append(sighting)
+    if len(set(things.values())) < len(seen) or any(map(may_be_one, alike.values())):
         run.apart = len({s.stay for s in inside})
         run.otherwise = _newest(table, inside)
     elif gone := [s for left in left_places(table) for s in left.sightings if s in inside]:

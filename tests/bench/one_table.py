@@ -121,4 +121,5 @@ def _told(row: tuple[Any, ...], score: float, rank: int, now: datetime) -> Ranke
         group=None,
         beyond=None,
         vague=None,
+        within=None,
     )

@@ -427,9 +427,13 @@ def test_what_was_last_seen_before_the_slice_may_have_moved_before_it() -> None:
     home.thing("cup", "cup")
     home.seen("cup", 0, at=(0, 0, 0))
     home.seen("cup", 60, at=(3, 0, 0), place=1, moved_from=(0, 0.8))
-    for start, share in ((0, 1.0), (15, 0.75), (45, 0.25)):
-        moved = run(home, query(ask="moved", time=TimeSlice(at(start), at(90))))
-        assert moved.keyframes[0].why["relation"] == pytest.approx(0.8 * share)
+    (whole,) = run(home, query(ask="moved", time=TimeSlice(at(0), at(90)))).keyframes
+    assert whole.why["relation"] == pytest.approx(0.8)
+    assert "share" not in whole.why
+    for start, share in ((15, 0.75), (45, 0.25)):
+        (moved,) = run(home, query(ask="moved", time=TimeSlice(at(start), at(90)))).keyframes
+        assert moved.why["share"] == pytest.approx(share)
+        assert moved.score == pytest.approx(whole.score * share)
 
 
 def test_usual_place_by_share_of_time() -> None:

@@ -1,0 +1,200 @@
+"""What is told is what was asked: within the slice, of each kind, of each room, since when."""
+
+from __future__ import annotations
+
+import pytest
+
+from assistant.asking import ask
+from d3a.answer import Answer
+from tests.worlds.made import NOW, Home
+from tests.worlds.oracle import OracleStore
+
+
+@pytest.fixture
+def home() -> Home:
+    """A red cup on the table at noon, in the hall from two o'clock on; now is seven."""
+    home = Home(classes=("cup", "bowl", "key", "table"))
+    home.room("kitchen", -1, -1, 3, 3)
+    home.room("hall", 5, -1, 9, 3)
+    home.thing("cup", "cup", paint="red")
+    home.seen("cup", 0, 50, at=(1, 1, 1))
+    home.seen("cup", 120, 125, at=(6, 1, 1), place=1)
+    home.seen("cup", 240, 241, at=(6, 1, 1), place=1)
+    return home
+
+
+def answered(home: Home, question: str) -> Answer:
+    store = OracleStore()
+    home.into(store)
+    return ask(store, question, now=NOW)
+
+
+def told(home: Home, question: str) -> str:
+    return answered(home, question).answer
+
+
+def test_no_time_is_told_that_lies_outside_of_the_slice(home: Home) -> None:
+    answer = answered(home, "Did you see a cup between 12:10 and 12:30 today?")
+    assert answer.answer.startswith("Yes. I saw a cup between 12:10 and 12:30 today, 6 hours ago")
+    assert answer.keyframes[0].to_json()["end"].startswith("2024-05-14T12:50")  # the sighting's own
+    said = told(home, "When did you last see the cup before 12:30 today?")
+    assert said.startswith("Between 12:00 and 12:30 today")
+    assert "12:50" not in told(home, "What did you see until 12:30 today?")
+    assert "12:50" in told(home, "Did you see a cup today before 13:00?")
+
+
+def test_each_of_several_kinds_is_counted(home: Home) -> None:
+    home.thing("bowl", "bowl")
+    home.seen("bowl", 0, 5, at=(1, 2, 1))
+    for name in ("left", "right"):
+        home.thing(name, "cup", paint="blue")
+        home.seen(name, 0, 30, at=(1, 2 if name == "left" else 0, 1))
+    said = told(home, "How many cups and bowls did you see?")
+    assert said.startswith("Four cups and bowls, last seen")
+    assert said.endswith(": three cups; one bowl.")
+    assert told(home, "How many red cups and keys did you see?").endswith(": one red cup; no keys.")
+
+
+def test_what_was_seen_but_once_is_not_counted_as_certain(home: Home) -> None:
+    home.thing("maybe", "cup", tentative=True)
+    home.seen("maybe", 3, 4, at=(1, 0, 1))
+    answer = answered(home, "How many cups did you see?")
+    assert (answer.value, answer.least, answer.count) == (1.0, 1, 2)
+    assert answer.answer.startswith("At least one cup and at most two")
+    assert answer.answer.endswith("One of them I saw only once.")
+    assert told(home, "Did you see exactly one cup?").startswith("I cannot be sure: I saw at least")
+
+
+def test_how_long_is_the_time_there_and_the_time_in_view_apart(home: Home) -> None:
+    answer = answered(home, "How long was the cup in the hall?")
+    assert answer.value == 121 * 60
+    assert answer.answer == (
+        "About 2 hours, from today at 14:00 to today at 16:01: whenever I looked I saw the cup in "
+        "the hall. I had it in view for 6 minutes of that."
+    )
+    seen = answered(home, "How long did you see the cup in the hall?")
+    assert seen.value == 6 * 60
+    assert answered(home, "How long was the cup in the hall before 15:00 today?").value == 5 * 60
+
+
+def test_time_there_ends_where_what_may_be_the_same_was_elsewhere(home: Home) -> None:
+    home.thing("other", "cup", paint="red")
+    home.seen("other", 180, 181, at=(1, 1, 1))
+    answer = answered(home, "How long was the cup in the hall?")
+    assert answer.value == 6 * 60
+    home.seen("other", 121, 122, at=(1, 1, 1), place=1)  # both in one round: two cups
+    assert answered(home, "How long was the cup in the hall?").value == 121 * 60
+
+
+def test_since_when_is_the_beginning_of_what_is_so_still(home: Home) -> None:
+    said = told(home, "Since when is the cup in the hall?")
+    assert said == (
+        "Since today at 14:00, 5 hours ago, at the latest: I saw the cup in the hall then. Before "
+        "that I saw it today at 12:50, 6 hours ago, in the kitchen. I last saw it there today at "
+        "16:01, 3 hours ago."
+    )
+    assert told(home, "How long has the cup been in the hall?") == said
+    assert told(home, "Since when is the cup in the kitchen?").startswith("Not any more. I last")
+    home.thing("bowl", "bowl")
+    home.seen("bowl", 0, 5, at=(1, 2, 1))
+    said = told(home, "Since when is the bowl in the kitchen?")
+    assert said.startswith("Since today at 12:00, 7 hours ago, or longer: that is when I first saw")
+
+
+def test_what_is_usually_there_is_told_by_its_share_of_the_looks(home: Home) -> None:
+    home.thing("bowl", "bowl")
+    for minute in (0, 120, 240):
+        home.seen("bowl", minute, minute + 2, at=(1, 2, 1))
+    home.thing("key", "key")
+    home.seen("key", 0, 2, at=(1, 0, 1))
+    home.seen("key", 120, 122, at=(1, 0, 1))
+    answer = answered(home, "What is usually in the kitchen?")
+    assert answer.answer == (
+        "Each time that I looked I saw a bowl in the kitchen. Most times I also saw a key (67 %). "
+        "Now and then I saw a cup there."
+    )
+    shares = {k.category: k.why["share"] for k in answer.keyframes}
+    assert shares == {"bowl": 1.0, "key": pytest.approx(2 / 3, abs=1e-3), "cup": 0.3333}
+    assert told(home, "Is the cup usually in the kitchen?").startswith(
+        "Yes. I saw the cup in the kitchen 89 % of the time that I saw it."
+    )
+    assert told(home, "Is the cup usually in the hall?").startswith("No. I saw the cup in the hall")
+
+
+def test_each_room_is_told_by_itself(home: Home) -> None:
+    home.thing("left", "cup", paint="blue")
+    home.seen("left", 0, 30, at=(1, 2, 1))
+    answer = answered(home, "How many cups were in each room?")
+    assert answer.answer == "In the hall I saw one cup; in the kitchen two cups."
+    assert (answer.status, answer.value, answer.count) == ("found", 3.0, 2)
+    assert [k.rank for k in answer.keyframes] == [*range(1, len(answer.keyframes) + 1)]
+    home.room("cellar", 20, 20, 22, 22)
+    now = told(home, "Is there a cup in every room?")
+    assert now == "No. In the hall I saw a cup; in the kitchen a cup. I saw no cups in the cellar."
+    none = answered(home, "How many bowls are in each room?")
+    assert none.answer == "I saw no bowls in the cellar, in the hall and in the kitchen."
+    assert none.status == "not_found"
+
+
+def test_where_everything_is_is_told_by_place(home: Home) -> None:
+    for number in range(60):
+        home.thing(f"b{number:02d}", "bowl")
+        home.seen(f"b{number:02d}", 0, 30, at=(1, 2, 1))
+    home.thing("gone", "key")
+    home.seen("gone", 0, 5, at=(1, 0, 1), absent=90)
+    home.thing("maybe", "table", tentative=True)
+    home.seen("maybe", 0, at=(1, 0, 1))
+    answer = answered(home, "Where is everything?")
+    assert answer.answer == (
+        "In the hall: a cup. In the kitchen: 60 bowls. One more thing I saw only once."
+    )
+    assert len(answer.keyframes) == 50
+    assert answer.truncated
+
+
+def test_what_is_asked_not_to_have_been_there_is_told_with_where_it_was_too(home: Home) -> None:
+    said = told(home, "Was the cup not in the kitchen today?")
+    assert said == (
+        "Yes. I saw the cup not in the kitchen on two occasions in one place, last today at 16:01, "
+        "3 hours ago, in the hall. I saw it there too, today at 12:50, 6 hours ago."
+    )
+    home.thing("bowl", "bowl")
+    home.seen("bowl", 0, 5, at=(1, 2, 1))
+    assert told(home, "Was the bowl outside of the kitchen?").startswith(
+        "I saw the bowl nowhere but in the kitchen."
+    )
+    said = told(home, "Wasn't the cup in the kitchen today?")
+    assert said == (
+        "It was: I saw the cup in the kitchen today at 12:50, 6 hours ago. I saw it elsewhere too, "
+        "today at 16:01, 3 hours ago, in the hall."
+    )
+    assert told(home, "Was there no cup in the kitchen today?").startswith("No, there was: I saw")
+
+
+def test_a_thing_asked_about_is_told_as_moved_by_itself(home: Home) -> None:
+    assert told(home, "Did the cup move?").startswith(
+        "The cup may have moved: I saw it in the hall"
+    )
+    home.thing("key", "key")
+    home.seen("key", 0, at=(1, 2, 1))
+    home.seen("key", 100, 130, at=(6, 2, 1), place=1, moved_from=(0, 0.95))
+    assert told(home, "Did the key move?") == (
+        "Yes. The key had moved when I saw it in the hall, today at 13:40, 5 hours ago."
+    )
+
+
+def test_a_thing_in_two_places_at_turns_may_be_one(home: Home) -> None:
+    for name, minutes, x in (("a", (0, 200), 1), ("b", (100,), 6)):
+        home.thing(name, "bowl")
+        for minute in minutes:
+            home.seen(name, minute, minute + 2, at=(x, 2, 1))
+    for when in ("", " today"):
+        assert told(home, f"Did the bowl move{when}?").startswith(
+            f"I saw a bowl in two places{when}. I cannot be sure that it was the same one."
+        )
+
+
+def test_whose_a_thing_is_is_not_said_where_nobody_told(home: Home) -> None:
+    assert told(home, "Where is Anna's cup?").startswith("In the hall. I last saw the cup there")
+    assert told(home, "Where is Anna's cup?").endswith("Nobody told me what is Anna's.")
+    assert told(home, "Where are my things?") == "Nobody told me what is yours."
