@@ -67,6 +67,8 @@ def _parted(words: list[Word]) -> list[list[Word]]:
         pronoun = starts[0] in AUXILIARIES and starts[1] in _ASKED_SUBJECTS
         if pointing and not (pronoun or (asked and texts[i + 2] in _ASKED_SUBJECTS)):
             continue  # this cup where was it
+        if sections()["suffix"].at(words, i) == len(words) - i:
+            break  # i lost my keys can you help me
         if (asked or pronoun or starts in _ASKED) and texts[i - 1] not in _TELLING:
             return [words[:i], words[i:]]
     return [words]

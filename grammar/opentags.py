@@ -21,6 +21,7 @@ _NUMBERED = words_of(
 """What has its number said after it: shelf 2, box three."""
 
 _NOUNS_TOO = ("can", "saw", "record", "list")
+_PATTERNS_TOO = ("spotted",)
 _AFTER_VERBS = DETERMINERS | {*OWNERS, "i", "we", "you", "it", "he", "she", "they", "one", "be"}
 
 
@@ -98,10 +99,16 @@ class OpenTagger(RelationTagger):
         return True
 
     def _closed_noun(self) -> bool:
-        """Read a verb of the grammar where only a noun may stand: the can opener, a soup can."""
+        """Read a verb of the grammar where it is none: a can opener, a soup can, a spotted dog."""
         text, k = self._text(self.i), self.i + 1
         before = self.out.tags[-1].value if self._last() == "NOUN" else None
         led = self._last() in ("DET", "OWNER", "ATTR", "NUMBER")
+        if text in _PATTERNS_TOO and led and self._open_at(k):
+            self._emit("ATTR", Attribute(text, "pattern"), 1)
+            return True
+        if text == "lost" and led and self._open_at(k):
+            self.i = k  # my lost keys are my keys
+            return True
         if text not in _NOUNS_TOO or not (led or isinstance(before, Noun)):
             return False
         if self._text(k) in _AFTER_VERBS or (before and not is_open(self._text(self.i - 1))):

@@ -11,8 +11,8 @@ from grammar.words import Word
 
 STANCES = ("stands", "stood")
 _ASKING = (
-    "_SHOW", "_WHERE", "_FIND", "_HOWMANY", "where_last", "when_last", "when_first", "what_last",
-    "what_first", "where_all", "when_all",
+    "_SHOW", "_WHERE", "_FIND", "_HOWMANY", "_HOWOFTEN", "where_last", "where_first", "when_last",
+    "when_first", "what_last", "what_first", "where_all", "when_all",
 )  # fmt: skip
 SUBJECT_OF = words_of(
     "about regarding concerning called named titled entitled labeled labelled marked saying "

@@ -158,6 +158,7 @@ class Tagger(OpenTagger):
                 | "what_first"
                 | "when_last"
                 | "when_first"
+                | "where_first"
             ):
                 return not self.out.tags
             case "where_all" | "when_all":
@@ -199,9 +200,10 @@ class Tagger(OpenTagger):
             case "any_alone":
                 self._emit("BE", "present", 0)
                 self._emit("THERE", said, size)
-            case "where_last" | "where_room":
+            case "where_last" | "where_first" | "where_room":
                 self.room = terminal == "where_room" or said.endswith(_AREAS)
-                self.out.select = "last" if terminal == "where_last" else self.out.select
+                if terminal != "where_room":
+                    self.out.select = "last" if terminal == "where_last" else "first"
                 self._emit("_WHERE", said, size)
                 self._linked()
             case "what_last" | "what_first":

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from grammar.cursor import Tag
+from grammar.cursor import OWNERS, Tag
 from grammar.nouns import Noun
 from grammar.ownertags import OwnerTagger
 from grammar.phrases import phrases, stands_at
@@ -76,7 +76,7 @@ class VerbTagger(OwnerTagger):
         if self._has("AUX") and said in ("have", "had"):
             self.i += size
             return True
-        doer = following in ("i", "we", "one", "you")
+        doer = following in ("i", "we", "one", "you") or following in OWNERS
         if terminal == "AUX_CAN" and said == "may" and self.out.tags and not doer:
             return False
         value = {"AUX_DO": "do", "AUX_DID": "did", "AUX_HAVE": "have", "AUX_CAN": "can"}[terminal]

@@ -197,3 +197,49 @@ def test_nobody_is_counted_by_where_they_live() -> None:
 @pytest.mark.parametrize("word", ["sand", "dill", "moose", "hutches", "scalpels"])
 def test_ordinary_words_are_not_respelled(word: str) -> None:
     assert not parse_report(f"where is the {word}", now=NOW).corrections
+
+
+@pytest.mark.parametrize(
+    ("said", "ask", "select"),
+    [
+        ("last sighting of the red jar", "where", "last"),
+        ("where was the first detection of the red jar", "where", "first"),
+        ("when was the first detection of the red jar", "when", "first"),
+        ("when was the latest observation of the red jar", "when", "last"),
+        ("all sightings of the red jar", "what", "all"),
+        ("how many detections of red jars were there", "how_often", "all"),
+        ("number of sightings of the red jar", "how_often", "all"),
+        ("red jar last seen", "where", "last"),
+        ("current position of the red jar", "where", "last"),
+        ("print all red jars", "what", "all"),
+    ],
+)
+def test_a_sighting_is_no_thing_but_what_is_asked_of_one(said: str, ask: str, select: str) -> None:
+    query = parse(said, now=NOW)
+    assert (query.ask, query.select) == (ask, select)
+    assert [(t.category, t.attributes) for t in query.objects] == [("jar", ("red",))]
+
+
+@pytest.mark.parametrize(
+    ("said", "plainly"),
+    [
+        ("does anyone know where my gloves are", "where are my gloves"),
+        ("who knows whether the rake is in the shed", "is the rake in the shed"),
+        ("i lost my rake can you help me", "i lost my rake"),
+        ("where are my lost gloves", "where are my gloves"),
+        ("where may my rake be", "where is my rake"),
+    ],
+)
+def test_who_is_asked_and_for_what_changes_nothing(said: str, plainly: str) -> None:
+    assert alike(said, plainly)
+
+
+def test_spotted_is_a_pattern_before_a_noun_and_a_verb_after_it() -> None:
+    assert parse("where is the spotted dog", now=NOW).objects[0].attributes == ("spotted",)
+    assert parse("was the dog spotted in the attic", now=NOW).place == "attic"
+
+
+@pytest.mark.parametrize("text", ["return the jar to the shelf", "print the invoice", "who knows"])
+def test_orders_stay_orders(text: str) -> None:
+    with pytest.raises(QuestionError):
+        parse(text, now=NOW)

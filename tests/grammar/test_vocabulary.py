@@ -127,7 +127,8 @@ def test_relations_are_of_the_contract() -> None:
 
 def test_phrases_are_terminals_of_the_grammar() -> None:
     own = {
-        "drop", "last", "first", "usual", "negative", "where_room", "where_last", "when_last",
+        "drop", "last", "first", "usual", "negative", "where_room", "where_last",
+        "where_first", "when_last",
         "when_first", "where_all", "when_all", "same_place", "seen_alone", "any_alone", "what_last",
         "what_first", "same_room",
         "BE_PRESENT", "BE_PAST", "AUX_DO",
