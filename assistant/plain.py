@@ -93,9 +93,9 @@ class PlainChat:
             self._say(f"Reason: {clean(reason)}")
         if answer.query is not None:  # what was taught leaves the list as it was heard
             self._list(0, SHOWN)
-        if answer.otherwise is not None and not answer.keyframes:
-            row = ", ".join(keyframe_row(answer.otherwise, self._session.now()))
-            self._say(f"Instead: {row}")
+        for keyframe in () if answer.keyframes else answer.instead[:SHOWN]:
+            row = ", ".join(keyframe_row(keyframe, self._session.now()))
+            self._say(f"{'Maybe' if answer.perhaps else 'Instead'}: {row}")
         if answer.status == "error":
             self._say("Type again to ask it again.")
             return

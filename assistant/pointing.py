@@ -98,10 +98,10 @@ def read_pointing(text: str) -> Pointing | None:
 
 
 def shown(answer: Answer | None) -> tuple[RankedKeyframe, ...]:
-    """Return the rows of an answer: its own, else the one that is true elsewhere."""
+    """Return the rows of an answer: its own, else what may be it or is true elsewhere."""
     if answer is None:
         return ()
-    return answer.keyframes or ((answer.otherwise,) if answer.otherwise else ())
+    return answer.keyframes or answer.instead
 
 
 def told(answer: Answer) -> RankedKeyframe | None:
@@ -176,13 +176,14 @@ def narrowed(
         return answer
     gone = {k.group for k in answer.keyframes if not keep(k) and k.group is not None}
     kept = [k for k in answer.keyframes if keep(k) and k.group not in gone]
-    otherwise = answer.otherwise if answer.otherwise and keep(answer.otherwise) else None
+    perhaps = tuple(k for k in answer.perhaps if keep(k))
+    otherwise = next((k for k in perhaps or answer.instead if keep(k)), None)
     if not kept and otherwise is None:
         return replace(
-            answer, status="not_found", answer=nothing, keyframes=(), otherwise=None, count=0,
-            least=0, truncated=False,
+            answer, status="not_found", answer=nothing, keyframes=(), otherwise=None, perhaps=(),
+            count=0, least=0, truncated=False,
         )  # fmt: skip
-    fewer = left_with(replace(answer, otherwise=otherwise), kept)
+    fewer = left_with(replace(answer, otherwise=otherwise, perhaps=perhaps), kept)
     return replace(fewer, answer=sentence(fewer, now=now))
 
 

@@ -68,7 +68,8 @@ def refusal_words(answer: Answer, query: FormalQuery, now: datetime) -> str:
     elif answer.reason == "never" and answer.denied and term == term_of(query) and term.owner:
         return _all_denied(answer.denied, noun_of(term), term.owner)
     elif refused:
-        told = f"{opening}{_none_like_it(answer, query, refused, now)}"
+        like = _perhaps_like_it if answer.perhaps else _none_like_it
+        told = f"{'' if answer.perhaps else opening}{like(answer, query, refused, now)}"
     elif answer.apart:
         many, spread = said_many(query, term), counted(answer.apart, "place")
         things = indefinite(term, numbered(query, term, answer.unjudged), many=many)
@@ -109,16 +110,34 @@ def looking_into(answer: Answer, query: FormalQuery) -> str:
 
 def _none_like_it(answer: Answer, query: FormalQuery, refused: list[str], now: datetime) -> str:
     """Return what was seen of the word, and that none of it had the attributes asked for."""
-    other = answer.otherwise
+    other, missed = answer.otherwise, _looked(refused)
     assert other is not None
-    looks = listed([word for word in refused if not word.startswith("not ")])
-    unlike = listed([word.removeprefix("not ") for word in refused if word.startswith("not ")])
-    missed = f"looked {looks}" if looks else f"did not look {unlike}"
     if _refused_term(answer, query).category == ANYTHING:
         return f"Nothing that I saw {missed}."
     there = there_words(other, query)
     told = f"I saw {article(kind_of(other))}, but none that {missed}."
     return f"{told} I last saw one {when(other.end, now)}{there}."
+
+
+def _perhaps_like_it(answer: Answer, query: FormalQuery, refused: list[str], now: datetime) -> str:
+    """Return what was seen of the word, and that some of it may have the attributes asked for."""
+    other, looked = answer.perhaps[0], _looked(refused)
+    last = f"{when(other.end, now)}{there_words(other, query)}"
+    kind, several = kind_of(other), len({k.object_id for k in answer.perhaps}) > 1
+    if _refused_term(answer, query).category == ANYTHING:
+        told = f"I cannot be sure that anything that I saw {looked}."
+        return f"{told} The likeliest is {article(kind)}, which I last saw {last}."
+    if several:
+        told = f"I saw {plural(kind)}, but I cannot be sure that any of them {looked}."
+        return f"{told} The likeliest I last saw {last}."
+    return f"I saw {article(kind)}, but I cannot be sure that it {looked}. I last saw it {last}."
+
+
+def _looked(refused: list[str]) -> str:
+    """Return looks as said of what was seen: looked red, did not look red."""
+    looks = listed([word for word in refused if not word.startswith("not ")])
+    unlike = listed([word.removeprefix("not ") for word in refused if word.startswith("not ")])
+    return f"looked {looks}" if looks else f"did not look {unlike}"
 
 
 def all_refused(answer: Answer) -> str:

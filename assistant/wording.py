@@ -96,14 +96,14 @@ def answer_lines(answer: Answer, now: datetime, *, rows: int | None = None) -> l
     lines = [answer.answer or answer.message or ""]
     if answer.message and answer.message != answer.answer and answer.answer:
         lines.append(answer.message)
-    if (answer.keyframes or answer.otherwise) and not tells_nothing(answer):
+    if (answer.keyframes or answer.instead) and not tells_nothing(answer):
         header = ["#", "what", "last seen", "where", "how sure", "seen", "score", "frame"]
-        instead = (answer.otherwise,) if answer.otherwise else ()
-        shown = answer.keyframes[:rows] or instead
+        told = answer.keyframes or answer.instead
+        shown = told[:rows]
         cells = [[str(k.rank), *keyframe_row(k, now), f"{k.score:.2f}", k.frame] for k in shown]
         lines += ["", *table([header, *cells], limits={1: 24, 3: 34, 7: 24})]
-        if len(shown) < len(answer.keyframes):
-            lines.append(f"({len(answer.keyframes) - len(shown)} more)")
+        if len(shown) < len(told):
+            lines.append(f"({len(told) - len(shown)} more)")
         elif answer.truncated:
             lines.append(f"(the first {len(shown)}; --limit shows more)")
     lines += [f"Did you mean: {clean(suggestion)}" for suggestion in answer.suggestions]

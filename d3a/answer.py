@@ -96,6 +96,8 @@ class Answer:
 
     count: distinct objects that match, before the limit. value: the number asked for (objects,
     seconds, sightings). otherwise: the nearest true keyframe outside of the asked slice or place.
+    perhaps: for a no that is not sure, what may be it after all, the likeliest first; then
+    `otherwise` is the first of them.
     unjudged: conditions this store cannot judge. looked_then: for a no about a time, or what was
     seen before and after a moment, whether there was any look then (into the asked room); for the
     sentence, not part of the record.
@@ -119,6 +121,7 @@ class Answer:
     value: float | None = None
     keyframes: tuple[RankedKeyframe, ...] = ()
     otherwise: RankedKeyframe | None = None
+    perhaps: tuple[RankedKeyframe, ...] = ()
     unjudged: tuple[str, ...] = ()
     suggestions: tuple[str, ...] = ()
     last_looked: datetime | None = None
@@ -136,8 +139,16 @@ class Answer:
     message: str | None = None
     position: int | None = None
 
+    @property
+    def instead(self) -> tuple[RankedKeyframe, ...]:
+        """What is shown of a no: what may be it, else what is true elsewhere; else nothing."""
+        return self.perhaps or ((self.otherwise,) if self.otherwise else ())
+
     def to_json(self) -> Json:
-        """Return the answer's record; `message` and `position` only where there is an error."""
+        """Return the answer's record; `message` and `position` only where there is an error.
+
+        `perhaps` only where a no is not sure.
+        """
         record: dict[str, Any] = {
             "schema": SCHEMA,
             "id": self.id,
@@ -156,6 +167,8 @@ class Answer:
             "truncated": self.truncated,
             "elapsed_ms": {name: round(ms, 3) for name, ms in self.elapsed_ms.items()},
         }
+        if self.perhaps:
+            record["perhaps"] = [keyframe.to_json() for keyframe in self.perhaps]
         if self.message is not None:
             record["message"] = self.message
         if self.position is not None:

@@ -254,7 +254,7 @@ def _judge(run: Run, step: JudgeAttributes) -> None:
     for words in verdict.unjudged if "-" not in step.var else ():  # it is said of what is left out
         run.leave_out(words)
     table.unjudged = bool(verdict.unjudged)
-    table.refused = [c for name, c in table.candidates.items() if name not in verdict.kept]
+    table.refused = list(verdict.refused)
     table.candidates, table.doubtful = verdict.kept, verdict.doubtful
 
 

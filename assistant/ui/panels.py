@@ -32,7 +32,9 @@ def exchange(answer: Answer) -> Text:
     if more:
         text.append(f" {more}", style="not dim")
     notes = [clean(reason)] if reason else []
-    if answer.otherwise is not None and not answer.keyframes:
+    if answer.perhaps:
+        notes.append("Below: what may be it, the likeliest first.")
+    elif answer.otherwise is not None and not answer.keyframes:
         notes.append("Below: the nearest that I did see.")
     elif answer.status == "error" and answer.suggestions:
         notes.append("Ask it again (Down and Enter):")

@@ -35,11 +35,11 @@ NOTICED = 0.18
 """How much the logarithm of a size must be off the usual to be noticed: a fifth larger is big."""
 LIKELIER = 0.5
 """What is no likelier to be noticed as big than not is not big: sizes have no shades between."""
-LEAST_ONCE = 0.9
+LEAST_ONCE = 0.7
 """Of a thing seen once, which may be a mistake of the detector, a yes needs to be this likely."""
 LEAST_DOUBTFUL = 0.05
-"""What is less likely than this is not even listed below what is likely."""
-LEAST_SIZED = 3
+"""What is less likely than this is not even listed below what is likely, and a no is flat."""
+LEAST_SIZED = 2
 """Sizes are relative: with fewer measured things of the kind, nothing is big or small."""
 _SIZES: dict[str, tuple[str, float]] = {
     **dict.fromkeys(("big", "large", "huge", "giant", "massive", "enormous"), ("area", 1.0)),
@@ -92,11 +92,13 @@ class Judged:
     """Who keeps the attributes, by object id, and which words nobody could judge.
 
     doubtful: the ids of those kept that are rather refused, where the step lists doubts.
+    refused: the others; where nobody is kept, with their attributes who may hold them after all.
     """
 
     kept: dict[str, Candidate]
     unjudged: tuple[str, ...]
     doubtful: frozenset[str] = frozenset()
+    refused: tuple[Candidate, ...] = ()
 
 
 def judged(
@@ -130,11 +132,23 @@ def judged(
             chance = 1 - single[0]
             opposite = (chance, chance >= LEAST_ODDS * single[0])
         _add(scores, unjudged, f"not {word}", opposite)
+    return _told_apart(found, scores, tuple(unjudged), doubts=step.doubts)
+
+
+def _told_apart(
+    found: Sequence[Candidate],
+    scores: Sequence[tuple[str, NDArray[np.float64], NDArray[np.bool_]]],
+    unjudged: tuple[str, ...],
+    *,
+    doubts: bool,
+) -> Judged:
+    """Return who holds all of it, who may, and who does not; see `Judged`."""
     kept = _kept(found, scores)
-    if not step.doubts:
-        return Judged(kept, tuple(unjudged))
-    listed = _kept(found, _doubted(scores), least_once=0.0)
-    return Judged(listed, tuple(unjudged), frozenset(listed) - frozenset(kept))
+    maybe = _kept(found, _doubted(scores), least_once=0.0) if doubts or not kept else kept
+    listed = maybe if doubts else kept
+    ids = [c.record.object_id for c in found]
+    refused = [maybe.get(i, c) for i, c in zip(ids, found, strict=True) if i not in listed]
+    return Judged(listed, unjudged, frozenset(listed) - frozenset(kept), tuple(refused))
 
 
 def merged_shades(words: Sequence[str]) -> list[str]:
@@ -210,6 +224,7 @@ def _size(
 ) -> tuple[NDArray[np.float64], NDArray[np.bool_]] | None:
     """Return how likely each is noticeably big for its kind (n,).
 
+    The usual is the median of what was seen more than once; of two things it is between them.
     None for other words, too few sizes, and where all are about as large, by what was measured:
     then none is big and none small, and what was not measured says nothing.
     """
@@ -219,13 +234,15 @@ def _size(
     extents = [c.record.extent_m for c in found]
     sizes = np.array([_measure(e, measure) if e else np.nan for e in extents], dtype=np.float64)
     known = ~np.isnan(sizes)
-    if int(known.sum()) < LEAST_SIZED:
+    sure = known & np.array([not c.record.tentative for c in found], dtype=np.bool_)
+    telling = sure if int(sure.sum()) >= LEAST_SIZED else known
+    if int(telling.sum()) < LEAST_SIZED:
         return None
-    logs = np.log(np.maximum(sizes[known], 1e-3))
-    away = sign * (logs - np.median(logs))
-    if np.abs(away).max() < NOTICED:
+    logs = np.log(np.maximum(sizes, 1e-3))
+    away = sign * (logs - np.median(logs[telling]))
+    if np.abs(away[telling]).max() < NOTICED:
         return None
-    told = normal_cdf((away - NOTICED) / SIZE_SPREAD)
+    told = normal_cdf((away[known] - NOTICED) / SIZE_SPREAD)
     probability = np.full(len(found), told.mean())
     probability[known] = told
     return probability, probability >= LIKELIER

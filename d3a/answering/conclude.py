@@ -45,6 +45,7 @@ def conclude(run: Run, limit: int) -> Answer:
         precision=next((s.precision for s in run.steps if isinstance(s, FindObjects)), None),
         keyframes=tuple(keyframes),
         otherwise=_otherwise(run),
+        perhaps=_perhaps(run, limit),
         unjudged=tuple(run.unjudged),
         suggestions=run.suggestions,
         message=run.message,
@@ -72,10 +73,10 @@ def _keyframes(run: Run, limit: int) -> tuple[list[RankedKeyframe], bool]:
 
 def within(answer: Answer, limit: int) -> Answer:
     """Return the answer with at most `limit` keyframes, and whether any were left out."""
-    kept = _whole_moments(answer.keyframes, limit)
-    if len(kept) == len(answer.keyframes):
+    kept, perhaps = _whole_moments(answer.keyframes, limit), answer.perhaps[: max(limit, 1)]
+    if len(kept) == len(answer.keyframes) and len(perhaps) == len(answer.perhaps):
         return answer
-    return replace(answer, keyframes=tuple(kept), truncated=True)
+    return replace(answer, keyframes=tuple(kept), perhaps=perhaps, truncated=True)
 
 
 def _whole_moments(keyframes: Sequence[RankedKeyframe], limit: int) -> list[RankedKeyframe]:
@@ -152,6 +153,8 @@ def _within_slice(run: Run, shown: RankedKeyframe) -> RankedKeyframe:
 
 
 def _otherwise(run: Run) -> RankedKeyframe | None:
+    if run.perhaps:
+        return _perhaps(run, 1)[0]
     if run.otherwise is None:
         return None
     entry = run.otherwise.figure
@@ -159,6 +162,17 @@ def _otherwise(run: Run) -> RankedKeyframe | None:
     if run.refused:
         why["refused"] = list(run.refused)
     return keyframe(run, entry, 1, min(1.0, score), why)
+
+
+def _perhaps(run: Run, limit: int) -> tuple[RankedKeyframe, ...]:
+    """Return what may be what was asked for, as many of the likeliest as are told."""
+    told = run.perhaps[: max(limit, 1)]
+    run.find_spots([one.moment.figure for one in told])
+    return tuple(
+        keyframe(run, one.moment.figure, number, one.score, why | {"refused": list(run.refused)})
+        for number, one in enumerate(told, 1)
+        for why in one.why
+    )
 
 
 def least_of(run: Run) -> int:

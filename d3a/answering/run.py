@@ -38,7 +38,8 @@ class Run:
     unjudged: conditions left out, in the order of the question, none twice.
     rooms: by variable, the room that its noun names ("kitchen table"); plain: by variable, the
     candidates that the noun means wherever they are. refused: the attributes that `otherwise`
-    does not have. looked_then, apart: see `Answer`. denied: by variable, the things that were said
+    does not have, or that what is in `perhaps`, the likeliest first, may or may not have.
+    looked_then, apart: see `Answer`. denied: by variable, the things that were said
     not to be the owner's. limit: of keyframes. cut: not every sighting
     was read; counted: of how many objects there are some; surely: how many of them must be
     different things, where that is too many; figures: how many of a moment's entries are what is
@@ -65,6 +66,7 @@ class Run:
     status: Status = "found"
     reason: Reason | None = None
     otherwise: Moment | None = None
+    perhaps: list[Ranked] = field(default_factory=list)
     refused: tuple[str, ...] = ()
     looked_then: bool | None = None
     apart: int = 0

@@ -119,11 +119,18 @@ def _is_anything_somewhere(run: Run, var: str) -> bool:
 
 
 def _tell_refused(run: Run, var: str) -> None:
-    """Tell the newest of what the word means, where none of it has the attributes asked for."""
+    """Tell the newest of what the word means, where none of it has the attributes asked for.
+
+    Where some of it may have them after all, tell that, each thing once.
+    """
     table, term = run.found[var], run.term(var)
-    meant = Found({c.record.object_id: c for c in table.refused})
+    maybe = [candidate for candidate in table.refused if candidate.attributes]
+    meant = Found({c.record.object_id: c for c in maybe or table.refused})
     meant.stays = run.facts.stays(meant.ids)
-    run.otherwise = _newest(meant, run.store.edges(meant.ids, "last"))
+    newest = run.store.edges(meant.ids, "last")
+    if maybe:
+        run.perhaps = rank([single(meant, s) for s in newest], "all", spread=False)
+    run.otherwise = run.perhaps[0].moment if run.perhaps else _newest(meant, newest)
     run.refused = (*term.attributes, *(f"not {word}" for word in term.without))
 
 

@@ -26,8 +26,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from d3a.answering.kept import Kept
+from d3a.colours.kinds import kinds_of
 from d3a.colours.names import BASIC, Floats, is_metal, rest_of
-from d3a.colours.pixels import AMONG_MANY, MOST_VIEWS, Learned, Palette, Pixels, times_seen
+from d3a.colours.pixels import (
+    AMONG_MANY,
+    MOST_VIEWS,
+    Learned,
+    Palette,
+    Pixels,
+    called_by,
+    times_seen,
+)
 from d3a.colours.terms import looks_like, rest_looks_like, terms
 
 _LOOKS = 8.0
@@ -50,8 +59,8 @@ class Weights:
     views: float
 
 
-BY_THE_LISTS = Weights(0.86, 1.85, 0.63, 0.23)
-BY_THE_STORE = Weights(1.9, 1.3, 0.46, 0.2)
+BY_THE_LISTS = Weights(0.7, 0.9, 0.3, 0.4)
+BY_THE_STORE = Weights(1.0, 0.75, 0.22, 0.4)
 """For the basic terms, whose looks are learned: they explain a box better."""
 _ROUNDS = 2
 """Of learning: later ones change the second digit of few."""
@@ -61,6 +70,8 @@ _LEAST_SHARE = 0.03
 """A share below this is noise."""
 _HUELESS = frozenset({"black", "white", "grey"})
 _HUED = np.array([float(term not in _HUELESS) for term in BASIC])
+UNSEEN = 0.5
+"""Whether a thing of which nothing stands out in a colour is dark or light of it, nobody knows."""
 LEAST_ODDS = 0.4
 """A word is refused where its opposite is this much likelier; people differ on the rest."""
 
@@ -115,7 +126,7 @@ class Appearances:
         """Return the chances, if the terms look so; of_each: see `Pixels.alike`."""
         alike = self.pixels.alike(learned, of_each)
         out = self.pixels.terms_standing_out
-        return _proportions(_weighed(alike, out, _HUED, self.views, BY_THE_STORE), whole=True)
+        return _proportions(_weighed(alike, out, _HUED, self.views, BY_THE_STORE))
 
     def telling(self, chances: Floats) -> Floats:
         """Return how much each object tells of how each term looks (n, 11), by its chances."""
@@ -128,30 +139,57 @@ class Appearances:
         The alternatives are the eleven basic terms.
         """
         word = colours[0].replace("gray", "grey")
-        if len(colours) > 1 or word not in BASIC:
-            told = self._told.get(tuple(colours), None)
-            if told is None:
-                told = self._by_the_lists(colours)
-                self._told.put(tuple(colours), told, 1)
-            return told
-        asked = self.chances[:, BASIC.index(word)]
-        return Verdict(probability=asked, tenable=asked >= LEAST_ODDS * (1 - asked))
+        if len(colours) == 1 and word in BASIC:
+            return _verdict(self.chances[:, BASIC.index(word)])
+        told = self._told.get(tuple(colours), None)
+        if told is None:
+            is_kind = len(colours) == 1 and bool(kinds_of(word))
+            told = _verdict(self._of_kind(word) if is_kind else self._listed(colours))
+            self._told.put(tuple(colours), told, 1)
+        return told
 
-    def _by_the_lists(self, colours: Sequence[str]) -> Verdict:
+    def _of_kind(self, colour: str) -> Floats:
+        """Return how likely each object is of a basic term, and a kind of it.
+
+        It is of the term by what it looks like among all; or, as a shade may be a border case of
+        it, because it is that shade or another of the term by the lists.
+        """
+        asked = np.zeros(self.pixels.count)
+        for kind in kinds_of(colour):
+            of_kind = kind.chance(self.pixels.strength(kind.term))
+            likely = self.chances[:, BASIC.index(kind.term)]
+            if not is_metal(colour):
+                shades = self._among_listed([colour])[:, [BASIC.index(kind.term), -1]]
+                likely = np.maximum(likely, shades.sum(axis=1))
+            asked += likely * np.where(np.isnan(of_kind), UNSEEN, of_kind)
+        return asked
+
+    def _listed(self, colours: Sequence[str]) -> Floats:
+        """Return how likely each object is of colours by how the lists have them."""
+        share = self._among_listed(colours)
+        asked = share[:, len(BASIC) :].mean(axis=1)
+        return np.asarray(asked / (asked + share[:, : len(BASIC)].sum(axis=1)))
+
+    def _among_listed(self, colours: Sequence[str]) -> Floats:
+        """Return what the evidence makes of the basic terms and of the colours (n, 11 + m).
+
+        A row sums to 1; of what is of one colour m is 1.
+        """
         exposure = self.pixels.palette.exposure
-        rivals = _rivals(colours, exposure)  # (k, 512)
         blends = _blends([looks_like(colour, exposure) for colour in colours])  # (m, 512)
-        looks = np.vstack([rivals, blends])
-        evidence = self.pixels.explained(looks)  # (n, k + m)
-        if len(colours) > 1 or is_metal(colours[0]):  # many colours at once: none is the one
+        looks = np.vstack([_rivals(colours, exposure), blends])
+        evidence = self.pixels.explained(looks)  # (n, 11 + m)
+        if len(colours) > 1:  # many colours at once: none is the one
             evidence *= _LOOKS
         else:
-            out, hued = self.pixels.standing_out(looks), _has_hue(colours[0])
+            out = self.pixels.standing_out(called_by(looks))
+            hued = _has_hue(colours[0])
             evidence = _weighed(evidence, out, hued, self.views, BY_THE_LISTS)
-        weight = _proportions(evidence)
-        asked = weight[:, len(rivals) :].mean(axis=1)
-        rest = weight[:, : len(rivals)].sum(axis=1)
-        return Verdict(probability=asked / (asked + rest), tenable=asked >= LEAST_ODDS * rest)
+        return _proportions(evidence)
+
+
+def _verdict(probability: Floats) -> Verdict:
+    return Verdict(probability, probability >= LEAST_ODDS * (1 - probability))
 
 
 def learn(embeddings: NDArray[np.float32], views: Floats | None = None) -> Palette:
@@ -181,10 +219,10 @@ def _weighed(
     return np.asarray(evidence * times_seen(views)[:, None] ** weights.views)
 
 
-def _proportions(evidence: Floats, *, whole: bool = False) -> Floats:
-    """Return what the evidence (n, k) makes of each of k looks; whole: rows sum to 1."""
+def _proportions(evidence: Floats) -> Floats:
+    """Return what the evidence (n, k) makes of each of k looks; rows sum to 1."""
     weight = np.exp(evidence - evidence.max(axis=1, keepdims=True))
-    return np.asarray(weight / weight.sum(axis=1, keepdims=True)) if whole else weight
+    return np.asarray(weight / weight.sum(axis=1, keepdims=True))
 
 
 def _has_hue(colour: str) -> Floats:

@@ -1,7 +1,8 @@
 """Colour words as sets of sRGB colours, from two public lists (see the head of names.tsv).
 
-A basic term is the region of every listed name that ends in it ("dark sky blue" is a blue), so
-its borders are those of the people who were asked, not of a rule of ours.
+A basic term is the region of every name in the survey that ends in it ("dark sky blue" is a blue),
+so its borders are those of the people who were asked, not of a rule of ours; nor of a standard's,
+whose "navajo white" is the colour of wood in the sun.
 """
 
 from __future__ import annotations
@@ -9,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import lru_cache
 from importlib.resources import files
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +30,8 @@ BASIC = (
     "brown",
 )
 """The eleven basic colour terms of English (Berlin and Kay, 1969)."""
+_SURVEY = "xkcd"
+"""The list whose names are of people who were shown colours."""
 _NOT_COLOURS = frozenset(
     {"adobe", "bland", "brick", "camo", "cement", "clay", "dark", "denim", "dirt", "dust"}
     | {"leather", "linen", "moccasin", "pale", "steel", "stone", "straw", "velvet", "wheat"}
@@ -41,7 +45,7 @@ _SPELLINGS = {
     "color": "",
     "colour": "",
 }
-_SHADES: dict[str, tuple[float, float]] = {
+SHADES: dict[str, tuple[float, float]] = {
     # factor on linear light, then the share of white that is mixed in
     "dark": (0.3, 0.0),
     "deep": (0.4, 0.0),
@@ -101,19 +105,32 @@ def _of_reddish(word: str) -> str:
     return next((term for term in BASIC if stem in (term, term[:-1], term + term[-1])), word)
 
 
+class Listed(NamedTuple):
+    """The listed names as words, their colours (n, 3) in sRGB 0..255, and who uses them.
+
+    common: the names of people who were asked; and of the others those of one word.
+    """
+
+    names: tuple[tuple[str, ...], ...]
+    colours: Floats
+    common: tuple[bool, ...]
+
+
 @lru_cache(maxsize=1)
-def table() -> tuple[tuple[tuple[str, ...], ...], Floats]:
-    """Return the listed names as words, and their colours (n, 3) in sRGB 0..255."""
+def table() -> Listed:
+    """Return the lists."""
     names: list[tuple[str, ...]] = []
     colours: list[list[int]] = []
+    common: list[bool] = []
     text = files("d3a.colours").joinpath("names.tsv").read_text(encoding="utf-8")
     for line in text.splitlines():
         if line.startswith("#"):
             continue
-        name, code, _ = line.split("\t")
+        name, code, source = line.split("\t")
         names.append(tuple(name.split()))
         colours.append([int(code[i : i + 2], 16) for i in (1, 3, 5)])
-    return tuple(names), np.array(colours, dtype=np.float64)
+        common.append(source == _SURVEY or len(names[-1]) == 1)
+    return Listed(tuple(names), np.array(colours, dtype=np.float64), tuple(common))
 
 
 def is_colour(word: str) -> bool:
@@ -130,20 +147,24 @@ def colours_of(colour: str) -> Floats | None:
     names of that term that are darker or lighter than most. Else a shade of what is left of it.
     """
     words = words_of(colour)
-    if not words or words[-1] in _NOT_COLOURS or all(word in _SHADES for word in words):
+    if not words or words[-1] in _NOT_COLOURS or all(word in SHADES for word in words):
         return None
-    rows = _rows_of(words)
-    if rows:
-        named = linear(table()[1][list(rows)])
+    named = listed_as(words)
+    if len(named):
         if words[-1] in _METALS:  # its parts send back what is around it, dark and bright
             return np.concatenate([named * share for share in _MIRRORED])
         return named
-    if words[0] in _SHADES and len(words) > 1:
+    if words[0] in SHADES and len(words) > 1:
         base = colours_of(" ".join(words[1:]))
         if base is not None:
-            factor, white = _SHADES[words[0]]
+            factor, white = SHADES[words[0]]
             return np.asarray(np.clip(base * factor, 0, 1) * (1 - white) + white)
     return None
+
+
+def listed_as(words: tuple[str, ...]) -> Floats:
+    """Return the listed colours (n, 3), linear light, that words stand for, see `colours_of`."""
+    return linear(table().colours[list(_rows_of(words))])
 
 
 @lru_cache(maxsize=64)
@@ -160,7 +181,7 @@ def rest_of(colour: str) -> tuple[str, Floats] | None:
     if len(words) < 2:
         return None
     others = sorted(set(_rows_of((words[-1],))) - set(_rows_of(words)))
-    return (words[-1], linear(table()[1][others])) if others else None
+    return (words[-1], linear(table().colours[others])) if others else None
 
 
 def _among_which(colour: str) -> tuple[str, Floats] | None:
@@ -169,7 +190,7 @@ def _among_which(colour: str) -> tuple[str, Floats] | None:
     if asked is None:
         return None
     middle = encoded(asked).mean(axis=0)
-    codes = table()[1]
+    codes = table().colours
     apart = np.linalg.norm(codes - middle, axis=1)
 
     def nearness(term: str) -> float:
@@ -184,9 +205,9 @@ def _among_which(colour: str) -> tuple[str, Floats] | None:
 @lru_cache(maxsize=256)
 def _rows_of(words: tuple[str, ...]) -> tuple[int, ...]:
     """Return the rows of the table that the words stand for, in order."""
-    names, colours = table()
+    names, colours, common = table()
     if len(words) == 1 and words[0] in BASIC:
-        return tuple(i for i, name in enumerate(names) if _head(name) == words[0])
+        return tuple(i for i, name in enumerate(names) if common[i] and _head(name) == words[0])
     asked = set(words)
     rows = {i for i, name in enumerate(names) if _is_shade_of(name, words, asked)}
     if len(words) == 2 and words[1] in BASIC and words[0] in _DARK | _LIGHT:

@@ -9,8 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from d3a.colours.kinds import strength
 from d3a.colours.looks import HISTOGRAM_SIZE
 from d3a.colours.names import BASIC, Floats
+from d3a.colours.naming import bin_levels, bins_lab, naming
 from d3a.colours.terms import luminance, terms
 
 FILL = 0.6
@@ -142,18 +144,45 @@ class Pixels:
         thing = (FILL * looks + _FLOOR).astype(np.float32)
         return np.asarray(thing[:, self.bins] + (1 - FILL) * self.around)
 
-    def standing_out(self, looks: Floats) -> Floats:
-        """Return the share of each of k looks among what the others do not hold: (n, k)."""
-        called = looks / (looks.sum(axis=0) + _RARE)
-        beyond = np.maximum(self.held - self.around, 0.0)
-        whole = self._sums(beyond[None, :].astype(np.float64))
-        shares = self._sums(called.astype(np.float32)[:, self.bins] * beyond)
-        return np.asarray(shares / np.maximum(whole, 1e-9))
+    def standing_out(self, called: Floats) -> Floats:
+        """Return the share of each of k names among what the others do not hold: (n, k).
+
+        called (k, 512): the share of each name in each bin.
+        """
+        shares = self._sums(called.astype(np.float32)[:, self.bins] * self._beyond)
+        return np.asarray(shares / self._whole[:, None])
+
+    @cached_property
+    def _beyond(self) -> NDArray[np.float32]:
+        """What each bin holds more than those of the others (m,)."""
+        return np.asarray(np.maximum(self.held - self.around, 0.0), np.float32)
+
+    @cached_property
+    def _whole(self) -> Floats:
+        """How much of each object the others do not hold (n,)."""
+        return np.maximum(self._sums(self._beyond[None, :])[:, 0], 1e-9)
 
     @cached_property
     def terms_standing_out(self) -> Floats:
-        """The share of the eleven basic terms among what the others do not hold (n, 11)."""
-        return self.standing_out(terms(self.palette.exposure))
+        """The share of the eleven basic terms among what the others do not hold (n, 11).
+
+        What is seen is called by what things in light and shade would be, and as it is: people
+        do both, and each errs where the other does not.
+        """
+        exposure = self.palette.exposure
+        return self.standing_out((called_by(terms(exposure)) + naming(exposure)) / 2)
+
+    def strength(self, term: str) -> Floats:
+        """Return the lightness and chroma (n, 2) of what is of a term and the others do not hold.
+
+        NaN where there is nothing of it.
+        """
+        exposure = self.palette.exposure
+        called = called_by(terms(exposure))[BASIC.index(term)]
+        parts = np.vstack([np.ones(HISTOGRAM_SIZE), strength(bins_lab(exposure)).T]) * called
+        sums = self._sums(parts.astype(np.float32)[:, self.bins] * self._beyond)
+        with np.errstate(invalid="ignore"):
+            return np.asarray(sums[:, 1:] / sums[:, :1])
 
     def alike(self, learned: Learned, of_each: Floats) -> Floats:
         """Return the mean log likelihood of a pixel among things of each basic term: (n, 11).
@@ -194,6 +223,11 @@ class Pixels:
         return sums
 
 
+def called_by(looks: Floats) -> Floats:
+    """Return of which of k looks (k, 512) what is in each bin is, as shares (k, 512)."""
+    return np.asarray(looks / (looks.sum(axis=0) + _RARE))
+
+
 def _exposure(total: Floats, count: int) -> float:
     """Return the light that a white thing has in these pictures, 1 for the sensor's white.
 
@@ -202,9 +236,7 @@ def _exposure(total: Floats, count: int) -> float:
     """
     if count == 0:
         return 1.0
-    index = np.arange(HISTOGRAM_SIZE)
-    bins = np.stack([index // 64, index // 8 % 8, index % 8], axis=1).astype(np.float64)
-    light = luminance(bins * 32.0 + 15.5)
+    light = luminance(bin_levels())
     order = np.argsort(light, kind="stable")
     reached = np.cumsum(total[order]) / total.sum()
     bright = light[order][min(int(np.searchsorted(reached, _BRIGHT)), HISTOGRAM_SIZE - 1)]

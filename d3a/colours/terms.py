@@ -52,10 +52,15 @@ def rest_looks_like(colour: str, exposure: float) -> Floats:
     return _looks(rest[1], exposure)
 
 
+def in_light(colours: Floats, gloss: float = _GLOSS[0]) -> Floats:
+    """Return the light (10, n, 3) that ten equal parts of things of colours (n, 3) send back."""
+    return np.asarray(np.array(_LIGHTS)[:, None, None] * (colours[None, :, :] + gloss))
+
+
 def _looks(colours: Floats, exposure: float) -> Floats:
     looks = np.zeros((BINS, BINS, BINS))
     for gloss in _GLOSS:
-        light = np.array(_LIGHTS)[:, None, None] * (colours[None, :, :] + gloss) * exposure
+        light = in_light(colours, gloss) * exposure
         spread = _spread(encoded(light).reshape(-1, 3).astype(np.float32))  # (m, 3, 8)
         plane = (spread[:, 0, :, None] * spread[:, 1, None, :]).reshape(len(spread), -1)
         looks += (plane.T @ spread[:, 2]).reshape(BINS, BINS, BINS) / len(spread)

@@ -5,6 +5,8 @@ from __future__ import annotations
 import pytest
 
 from assistant.asking import ask
+from assistant.pointing import narrowed, shown
+from assistant.wording import answer_lines
 from tests.worlds.made import NOW, Home
 from tests.worlds.oracle import OracleStore
 
@@ -401,7 +403,7 @@ def test_nothing_has_a_colour_that_nothing_looked(two_rooms: Home) -> None:
 
 @pytest.mark.parametrize("colour", ["grey", "brown", "orange", "purple", "white"])
 def test_as_many_things_are_told_as_are_counted(two_rooms: Home, colour: str) -> None:
-    """Doubtful ones are in the table below, and neither counted nor told."""
+    """Doubtful ones are in the table below, and neither counted nor told beside others."""
     kinds = ("bowl", "book", "vase", "clock", "chair", "couch", "lamp", "bottle", "backpack")
     for number, kind in enumerate(kinds):
         share = number / (len(kinds) - 1)  # from orange over brown to grey
@@ -411,6 +413,34 @@ def test_as_many_things_are_told_as_are_counted(two_rooms: Home, colour: str) ->
     store = OracleStore()
     two_rooms.into(store)
     answer = ask(store, f"Did you see anything {colour}?", now=NOW)
-    named = [kind for kind in ("cup", *kinds) if kind in answer.answer.partition(", last")[0]]
+    yes = answer.answer.partition(", last")[0] if answer.keyframes else ""
+    named = [kind for kind in ("cup", *kinds) if kind in yes]
     assert len(named) == answer.count
     assert len({k.object_id for k in answer.keyframes}) >= answer.count
+
+
+def test_what_may_have_the_colour_is_told_with_a_doubt_and_listed(two_rooms: Home) -> None:
+    paints = {"rusty": (152.0, 80.0, 45.0), "rustier": (140.0, 88.0, 50.0)}
+    for number, (name, paint) in enumerate(paints.items()):
+        two_rooms.thing(name, "vase", paint=paint)
+        two_rooms.seen(name, 10 * number, 10 * number + 5, at=(1, 2 + number, 1))
+    for name in ("green", "blue", "white", "brown", "orange"):
+        two_rooms.thing(name, "bowl", paint=name)
+        two_rooms.seen(name, 0, at=(1, 1, 1))
+    store = OracleStore()
+    two_rooms.into(store)
+    answer = ask(store, "Where is the red vase?", now=NOW)
+    assert answer.answer.startswith(
+        "I saw vases, but I cannot be sure that any of them looked red. The likeliest I last saw "
+    )
+    assert [k.object_id for k in shown(answer)] == ["rusty", "rustier"]
+    lines = answer_lines(answer, NOW, rows=1)
+    assert sum("vase" in line for line in lines[1:]) == 1
+    assert lines[-1] == "(1 more)"
+    left = narrowed(answer, lambda k: k.object_id != "rusty", NOW, nothing="none")
+    assert left.answer.startswith("I saw a vase, but I cannot be sure that it looked red.")
+    assert [k.object_id for k in shown(left)] == ["rustier"]
+    none = narrowed(left, lambda k: k.object_id != "rustier", NOW, nothing="none")
+    assert (none.answer, shown(none)) == ("none", ())
+    anything = ask(store, "Is there anything purple?", now=NOW)
+    assert (anything.status, "I saw looked purple" in anything.answer) == ("not_found", True)

@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 
 from d3a.answer import Answer
-from d3a.answering.attributes import LEAST_ONCE, Judged, Looks, judged
+from d3a.answering.attributes import LEAST_DOUBTFUL, LEAST_ONCE, Judged, Looks, judged
+from d3a.answering.conclude import within
 from d3a.answering.match import Candidate
-from d3a.colours import Palette
+from d3a.colours import LEAST_ODDS, Palette
 from d3a.execute import execute
 from d3a.parameters import DEFAULT
 from d3a.plan import JudgeAttributes, Precision, plan
@@ -337,6 +338,50 @@ def test_what_is_as_large_as_the_others_is_neither_big_nor_small() -> None:
     assert run(home, query(replace(term("bowl"), without=("big",)))).count == 5
 
 
+def test_of_two_lamps_the_one_is_small_and_the_other_tall() -> None:
+    home = Home()
+    home.thing("floor", "lamp", extent_m=(0.42, 1.52))
+    home.thing("bedside", "lamp", extent_m=(0.29, 0.44))
+    home.thing("mistake", "lamp", extent_m=(0.2, 0.32), tentative=True)  # tells no usual size
+    for number, name in enumerate(("floor", "bedside", "mistake")):
+        home.seen(name, 0, at=(number, 0, 0))
+    for word in ("big", "tall"):
+        assert ids(run(home, query(term("lamp", word)))) == ["floor"]
+    for word in ("small", "short"):
+        told = ids(run(home, query(term("lamp", word))))
+        assert "floor" not in told
+        assert "bedside" in told
+
+
+def test_of_what_may_have_the_looks_the_likeliest_is_told() -> None:
+    home = Home()
+    for number, paint in enumerate(("green", "blue", "white", "brown", "orange")):
+        home.thing(paint, "bowl", paint=paint)
+        home.seen(paint, 0, at=(number, 5, 1))
+    home.thing("likelier", "cup", paint=(152.0, 80.0, 45.0))
+    home.thing("newer", "cup", paint=(140.0, 88.0, 50.0))
+    home.thing("not", "cup", paint="green")
+    home.seen("likelier", 10, at=(0, 0, 1))
+    home.seen("newer", 20, at=(2, 0, 1))
+    home.seen("not", 30, at=(4, 0, 1))
+    for asked in (term("cup", "red"), replace(term("cup", "red"), quantity=1)):
+        answer = run(home, query(asked))
+        assert (answer.status, answer.reason, answer.keyframes) == ("not_found", "never", ())
+        assert [k.object_id for k in answer.perhaps] == ["likelier", "newer"]
+        assert answer.otherwise == answer.perhaps[0] == answer.instead[0]
+        assert [k.rank for k in answer.perhaps] == [1, 2]
+        first, second = (k.why["attributes"]["red"] for k in answer.perhaps)
+        assert LEAST_ODDS / (1 + LEAST_ODDS) > first > second >= LEAST_DOUBTFUL
+        assert all(k.score < 0.5 and k.why["refused"] == ["red"] for k in answer.perhaps)
+        assert [k["object_id"] for k in answer.to_json()["perhaps"]] == ["likelier", "newer"]
+        assert [k.object_id for k in within(answer, 1).perhaps] == ["likelier"]
+    flat = run(home, query(term("cup", "purple")))
+    assert (flat.status, flat.perhaps) == ("not_found", ())
+    assert "perhaps" not in flat.to_json()
+    assert flat.otherwise is not None
+    assert flat.otherwise.object_id == "not"  # the newest
+
+
 def test_sizes_of_too_few_things_are_not_judged() -> None:
     home = Home()
     home.thing("only", "bowl", extent_m=(0.1, 0.1))
@@ -548,7 +593,7 @@ def test_a_pair_is_an_answer_where_one_of_two_looks_is_doubtful() -> None:
         things = term("cup", "red"), term("bowl", "blue")
         return run(home, query(*things, ask="when", kind="together"))
 
-    both = asked((152.0, 66.0, 38.0))
+    both = asked((178.0, 53.0, 38.0))
     assert ids(both) == ["rusty", "blue"]
     assert both.count == 1
     assert both.keyframes[0].why["attributes"]["red"] < LEAST_ONCE
