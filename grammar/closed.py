@@ -20,8 +20,8 @@ CLOSED = words_of(
     "against along among around before behind below beneath beside besides between beyond down "
     "during except inside near next outside since through throughout till toward towards "
     "underneath until there here then now just still already yet ever again also too even only "
-    "enough please one ones many much more most fewer least see saw seen seeing look looked find "
-    "found leave left put lost last spotted noticed placed show list tell "
+    "enough please one ones many much more most fewer least twice see saw seen seeing look looked "
+    "find found leave left put lost last spotted noticed placed show list tell "
 )
 """Words that never are part of a noun phrase's open words."""
 

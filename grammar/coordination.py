@@ -12,12 +12,16 @@ from grammar.words import Word
 
 _SIDES = ("left", "right")
 _JOINTS = ("and", "or")
+_JOINING = frozenset((*_JOINTS, "nor", "neither"))
 _STRANDED = ("in", "on", "at")
 
 
 def spread(words: list[Word], lexicon: Lexicon) -> list[Word]:
     """Give each of two relations, owners or looks the noun phrase that is said once."""
-    words = _listed_looks(_last_before(_denied_each(words)), lexicon)
+    words = _last_before(words)
+    if _JOINING.isdisjoint([word.text for word in words]):
+        return words  # most join nothing
+    words = _listed_looks(_denied_each(words), lexicon)
     for k in range(len(words) - 3, 0, -1):  # what is spread goes before it
         if words[k].text in _JOINTS:
             words = _related(words, k) or _owned(words, k) or _looking(words, k, lexicon) or words
@@ -25,13 +29,19 @@ def spread(words: list[Word], lexicon: Lexicon) -> list[Word]:
 
 
 def _denied_each(words: list[Word]) -> list[Word]:
-    """Say `not` of each that is denied: neither red nor blue is not red and not blue."""
-    if not any(word.text in ("nor", "neither") for word in words):
-        return words
+    """Say `not` of each that is denied: neither red nor blue is not red and not blue.
+
+    What shares the preposition shares its `not`: neither in the kitchen nor the hall.
+    """
     out: list[Word] = []
-    for i, word in enumerate(words):
-        if word.text == "neither" and i + 1 < len(words) and words[i + 1].text != "of":
+    shared = False
+    for word, following in zip(words, (*(w.text for w in words[1:]), ""), strict=True):
+        led = following in DETERMINERS or following in OWNERS
+        if word.text == "neither" and following not in ("of", ""):
+            shared = not led
             out.append(replace(word, text="not"))
+        elif word.text == "nor" and led and shared:
+            out.append(replace(word, text="or"))
         elif word.text == "nor":
             out += [replace(word, text="and"), replace(word, text="not")]
         else:

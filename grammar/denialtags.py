@@ -43,6 +43,20 @@ class DenialTagger(NounTagger):
             self.i += 2 if text == "no" else 1
         return True
 
+    def _all_but(self) -> bool:
+        """Read what is left out of all there is: anything but cups, all cups but the red one.
+
+        Nothing but cups are cups alone, which no sighting tells.
+        """
+        k = self.i + 1
+        led = self._text(k) in DETERMINERS or self._text(k) in OWNERS or self._open_at(k)
+        if self._text(self.i) != "but" or self._last() != "NOUN" or not led or self.out.negated:
+            return False
+        if not self._of_anything() and "all" not in [w.text for w in self.words[: self.i]]:
+            return False
+        self._emit("_EXCEPT", 0, 1)
+        return True
+
     def _lacks_one(self) -> bool:
         """Read what things are without: with an apple and no banana, cups but no bowls on it."""
         if self._text(self.i) not in ("and", "but") or self._text(self.i + 1) != "no":

@@ -182,7 +182,7 @@ def query(
     Raises MeaningError where the objects cannot stand in their relation, and for what never was.
     """
     ask = meaning.ask or "where"
-    objects, relation, places, outside = _arranged(meaning)
+    objects, relation, places, outside = _arranged(_denied_once(meaning) if negated else meaning)
     place = places[0] if places else None
     if ask in _CHANGES and relation is not None and relation.kind == "together":
         raise MeaningError("it tells what moved or is missing, not together with what")
@@ -207,6 +207,21 @@ def query(
         or_places=places[1:],
         contrary=contrary and ask == "whether" and (relation is not None or place is not None),
     )
+
+
+def _denied_once(meaning: Meaning) -> Meaning:
+    """Return a denied meaning with its places denied by it alone: not in the hall nor the kitchen.
+
+    The first `not` denies the question, each further one a place of it: it was in none of them.
+    """
+    items = meaning.things.items
+    first = next((item for item in items if isinstance(item, AtPlace)), None)
+    names = tuple(name for o in items if isinstance(o, Outside) for name in (o.name, *o.others))
+    if first is None or not names:
+        return meaning
+    left = tuple(item for item in items if item is not first and not isinstance(item, Outside))
+    placed = replace(first, others=(*first.others, *names))
+    return replace(meaning, things=replace(meaning.things, items=(placed, *left)))
 
 
 def form_of(

@@ -39,6 +39,10 @@ PEOPLE = KIN | words_of("kid child guest visitor boy girl man woman baby person 
 _LEADING = _PLACE_WORDS | DETERMINERS | frozenset(OWNERS)
 
 
+_ANYBODYS = words_of("somebody's someone's anybody's anyone's")
+_NOBODYS = words_of("nobody's no-one's")
+
+
 class NounTagger(ClauseTagger):
     """Reads what belongs to things."""
 
@@ -153,6 +157,9 @@ class NounTagger(ClauseTagger):
         doer = self._doer() if text in _THEIRS and self._open_at(self.i + 1) else ""
         if doer:
             self._emit("OWNER", doer, 1)  # where did anna leave her keys
+            return True
+        if text in _ANYBODYS or text in _NOBODYS:  # what is nobody's is no question of things
+            self._emit("DET" if text in _ANYBODYS else "UNKNOWN", text, 1)
             return True
         if text.endswith("'s") and len(text) > 2:
             stem = text.removesuffix("'s")

@@ -48,6 +48,7 @@ def placed(
     Raises NotUnderstood for a time that the calendar has not, Ambiguous for two that it has.
     """
     words, times = _corrected(words, times)
+    _refuse_denied(reading, words, times)
     rest = _without(words, times)
     times = [time for time in times if time.said != SpokenTime()]
     if not times:
@@ -91,6 +92,23 @@ def _corrected(words: list[Word], times: list[Found]) -> tuple[list[Word], list[
         return words, times
     said = SpokenTime((Unplaced("it says when not; ask for when"),))
     return words, [*others, replace(time, said=said)]
+
+
+def _refuse_denied(reading: Reading, words: list[Word], times: list[Found]) -> None:
+    """Raise NotUnderstood for a time and another when it was not: yesterday but not today.
+
+    Each is asked for by itself; what is offered says the one, and then the other.
+    """
+    for meant, denied in itertools.pairwise(times):
+        texts = [w.text for w in words[meant.last : denied.first]]
+        if texts not in (["but", "not"], ["and", "not"]):
+            continue
+        first, end = words[meant.first].start, words[meant.last - 1].end
+        other, last = words[denied.first].start, words[denied.last - 1].end
+        text = reading.text
+        offered = (text[:end] + text[last:], text[:first] + text[other:last] + text[last:])
+        reason = "It tells when, and when not; ask for one time and then for the other."
+        raise NotUnderstood(text, words[meant.last].start, reason, offered)
 
 
 def _without(words: list[Word], times: list[Found]) -> list[Word]:

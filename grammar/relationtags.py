@@ -49,7 +49,8 @@ class RelationTagger(VerbTagger):
     def _carries(self, k: int) -> bool:
         """Whether `it` at `k` is the thing before its `with`: a bed with a teddy bear on it."""
         kinds = [t.type for t in self.out.tags]
-        if self._text(k) not in ("it", "them") or self._last() != "NOUN" or kinds.count("REL") != 1:
+        named = self._last() == "NOUN" and not self.out.negated  # a table with nothing on it
+        if self._text(k) not in ("it", "them") or not named or kinds.count("REL") != 1:
             return False
         link = kinds.index("REL")
         one = kinds[:link].count("NOUN") == 1 and kinds[link:].count("NOUN") == 1

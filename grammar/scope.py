@@ -240,16 +240,20 @@ def _beyond(words: list[Word], stopped: Word) -> str:
     here = next(i for i, w in enumerate(words) if w.start == stopped.start)
     if [w.text for w in words[here : here + 4]] == ["in", "the", "same", "room"]:
         return "I do not compare the rooms of two things; ask for each where it was"
-    if (
-        stopped.text in ("and", "but")
-        and words[here + 1 : here + 2] != []
-        and (words[here + 1].text in ("no", "not"))
-    ):
+    if not {"before", "after"}.isdisjoint([w.text for w in words[max(0, here - 1) : here + 1]]):
+        return (
+            "I tell times by the clock; ask when it was there, and then where before or after that"
+        )
+    denied = [w.text for w in words[here + 1 : here + 2]] in (["no"], ["not"])
+    if stopped.text in ("and", "but") and denied:
         return "I tell what was seen without another thing where it is said on or with what"
     return ""
 
 
+_EACH = "I tell of each thing where it was seen, not that it is so of all; ask which are"
 _BEYOND = {
+    "all": _EACH, "each": _EACH, "every": _EACH,
+    "twice": "I tell how often a thing was seen; ask that",
     "always": "I know when things were seen, not that something was so all the time",
     "only": "I know what was seen, not that there was nothing else or nowhere else",
 }  # fmt: skip

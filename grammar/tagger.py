@@ -26,6 +26,7 @@ _INTENSIFIERS = frozenset(("right", "directly", "immediately", "straight"))
 _MINE = ("_WHERE", "BE", "SEE", "LEAVE")
 """After these `me` before a noun is said for my."""
 _AREAS = ("room", "area", "house", "place", "location", "spot")
+_EACH_OF = ("all", "every", "each")
 _ABOUT = ("around", "somewhere", "anywhere", "someplace")
 _ALL = ("everything", "all", "every", "each")
 _FLOATS: dict[str, Select] = {"last": "last", "first": "first", "usual": "usual"}
@@ -44,8 +45,8 @@ class Tagger(OpenTagger):
     def run(self) -> Tagged:
         """Tag every word; what nothing reads becomes UNKNOWN, which no rule takes."""
         steps = (
-            self._joint_part, self._lacks_one, self._bounded, self._mark, self._clause,
-            self._place, self._topic,
+            self._joint_part, self._lacks_one, self._all_but, self._bounded, self._mark,
+            self._clause, self._place, self._topic,
             self._negation, self._part, self._owning, self._noun_as_subject, self._owner,
             self._closed_noun, self._phrase, self._plain,
         )  # fmt: skip
@@ -73,6 +74,10 @@ class Tagger(OpenTagger):
             self._emit("COMMA", text, 1)
             return True
         joins = text in ("and", "&", "plus")
+        clause = self._text(self.i + 1) in ("that", "which") and self._last() in ("NOUN", "ATTR")
+        if joins and clause and self._text(self.i + 2) in ("is", "are", "was", "were"):
+            self.i += 1  # that is red and that is on the table
+            return True
         if text in ("or", "nor") or (joins and self._next_place()):
             return self._or()
         if joins:
@@ -282,11 +287,28 @@ class Tagger(OpenTagger):
         event = said == "before" and self._text(self.i + size) in (*PRONOUNS, "i", "we", "you")
         if said in ("that", "which") or event:
             return False
-        if self._limits(said):
+        if said in ("both", "both of") and self._two_at(self.i + size):
+            self._emit("NUMBER", 2, size)
+            return True
+        if self._limits(said) or self._of_all(said):
             self._emit("UNKNOWN", said, size)
         else:
             self.i += size
         return True
+
+    def _two_at(self, k: int) -> bool:
+        """Whether two of one kind are told at `k`, no two things: both cups, both of my cups."""
+        k += self._text(k) in DETERMINERS or self._text(k) in OWNERS
+        if not self._open_at(k) or any(w.text in ("and", "or") for w in self.words[k:]):
+            return False
+        last = self._text(self.reader.read(self.words, k)[-1][2] - 1)
+        return self.lexicon.singular(last) != last
+
+    def _of_all(self, said: str) -> bool:
+        """Whether it is asked if something is so of all of a kind: were all cups in the kitchen."""
+        k = self.i + len(said.split())
+        asked = self._first() in ("BE", "_WHETHER") and self._last() in ("BE", "_WHETHER")
+        return said.split()[0] in _EACH_OF and asked and self._noun_phrase_at(k)
 
     def _limits(self, said: str) -> bool:
         """Whether it is asked of all the time, or of one thing alone: no sighting tells that.

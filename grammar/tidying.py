@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 from grammar.cursor import Tag
@@ -14,10 +15,11 @@ _SUPPORTS = ("on", "in", "under", "above")
 
 def tidied(tags: list[Tag]) -> list[Tag]:
     """Return the terminals with what only both neighbours tell."""
-    tags = _either_look(_carried(_lacking(_owners_first(tags))))
-    tags = _things_described(_owned_alike(_joined_attributes(_commas(_fronted(tags)))))
-    tags = _extraposed(_inverted(tags))
-    return _excepted(_predicates(tags))
+    kinds = {tag_.type for tag_ in tags}
+    for settled, needed in _SETTLING:
+        if not needed or not kinds.isdisjoint(needed):  # most say little of all this
+            tags = settled(tags)
+    return tags
 
 
 def _lacking(tags: list[Tag]) -> list[Tag]:
@@ -282,3 +284,21 @@ def _predicates(tags: list[Tag]) -> list[Tag]:
                 continue
         out.append(tag_)
     return out
+
+
+_SETTLING: tuple[tuple[Callable[[list[Tag]], list[Tag]], tuple[str, ...]], ...] = (
+    (_owners_first, ("NUMBER",)),
+    (_lacking, ("LACKS",)),
+    (_carried, ("CARRIES",)),
+    (_either_look, ("OR",)),
+    (_fronted, ("AT_PLACE", "REL")),
+    (_commas, ("COMMA",)),
+    (_joined_attributes, ("AND", "OR")),
+    (_owned_alike, ("OWNER",)),
+    (_things_described, ("ATTR",)),
+    (_inverted, ("AT_PLACE", "REL")),
+    (_extraposed, (*_CLAUSES, "OR")),
+    (_predicates, ("ATTR",)),
+    (_excepted, ("_EXCEPT",)),
+)
+"""What settles terminals, in this order, and one of which terminals it needs to do anything."""

@@ -33,6 +33,57 @@ def test_one_thing_without_another_is_two_questions(text: str) -> None:
         read(text)
 
 
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("did you see the cup twice yesterday", "how often"),
+        ("were all cups in the kitchen", "so of all"),
+        ("is every cup on the table", "so of all"),
+        ("did you see a cup and a book but no bowl", "on or with what"),
+        ("where was the cup before the coffee table", "by the clock"),
+        ("where was the cup before it was on the table", "by the clock"),
+    ],
+)
+def test_what_no_sighting_tells_is_refused_with_what_does(text: str, told: str) -> None:
+    with pytest.raises(OutOfScope) as caught:
+        read(text)
+    assert told in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "was nobody's cup on the table",
+        "did you see a table with nothing on it",
+        "did you see a cup that is not a mug",
+        "did you see nothing but cups on the table",
+        "did you see neither the cup nor the bowl",
+    ],
+)
+def test_what_the_algebra_does_not_say_is_refused(text: str) -> None:
+    with pytest.raises(QuestionError):
+        read(text)
+
+
+@pytest.mark.parametrize(
+    ("text", "offered"),
+    [
+        (
+            "Did you see the cup yesterday but not today?",
+            ("Did you see the cup yesterday?", "Did you see the cup today?"),
+        ),
+        (
+            "did you see a bottle at 9:30 but not at 11",
+            ("did you see a bottle at 9:30", "did you see a bottle at 11"),
+        ),
+    ],
+)
+def test_a_time_when_and_one_when_not_are_offered_each(text: str, offered: tuple[str, ...]) -> None:
+    with pytest.raises(NotUnderstood) as caught:
+        read(text)
+    assert caught.value.suggestions == offered
+
+
 def test_what_else_lies_there_leaves_one_out() -> None:
     (thing, _) = read("what is on the table but not the cup").objects
     assert thing.other_than == (ObjectTerm("cup"),)
