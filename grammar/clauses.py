@@ -263,6 +263,9 @@ class ClauseTagger(Cursor):
         text = self._text(self.i)
         if text == "and" and self._last() == "PART":
             return self._part_of(self.i + 1, without=self._lacks())
+        if text == "or" and self._last() == "PART":
+            self._emit("UNKNOWN", text, 1)  # with stripes or dots
+            return True
         if text not in ("with", "without"):
             return False
         none = self._text(self.i + 1) == "no"

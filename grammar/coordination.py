@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from grammar.closed import is_open
 from grammar.cursor import DETERMINERS, OWNERS, TIME_GAP
-from grammar.phrases import phrases
+from grammar.phrases import breaks, phrases
 from grammar.vocabulary import Lexicon
 from grammar.words import Word
 
@@ -98,6 +98,8 @@ def _looking(words: list[Word], k: int, lexicon: Lexicon) -> list[Word] | None:
     noun = next((i for i in range(first, end) if words[i].text not in looks), end)
     if words[k].text != "or" or words[k - 1].text not in looks or not first < noun < end:
         return None
+    if {words[k - 1].text, words[noun - 2].text} <= lexicon.shades and noun - 2 > k:
+        noun -= 1  # dark or light blue
     start = next(i for i in range(k, -1, -1) if not i or words[i - 1].text not in looks)
     owned = start > 0 and first == k + 1 and _is_owner(words[start - 1])
     mine = words[start - 1 : start] if owned else []
@@ -109,8 +111,9 @@ def _is_owner(word: Word) -> bool:
 
 
 def _open_end(words: list[Word], start: int) -> int:
-    """Return where the open words at `start` end."""
-    return next((i for i in range(start, len(words)) if not is_open(words[i].text)), len(words))
+    """Return where the open words of a noun phrase at `start` end."""
+    ends = (i for i in range(start, len(words)) if not is_open(words[i].text) or breaks(words, i))
+    return next(ends, len(words))
 
 
 def _relation_at(words: list[Word], k: int) -> int:

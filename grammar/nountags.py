@@ -6,7 +6,7 @@ from grammar.clauses import ClauseTagger
 from grammar.closed import words_of
 from grammar.cursor import DETERMINERS, OWNED, OWNERS, TIME_GAP
 from grammar.nouns import Attribute, Noun
-from grammar.phrases import BARE_PLACES, phrases, place_follows
+from grammar.phrases import BARE_PLACES, breaks, phrases, place_follows
 
 KIN = words_of(
     "wife husband mom mum mother dad father son daughter brother sister grandma grandpa "
@@ -138,7 +138,8 @@ class NounTagger(ClauseTagger):
         """Return (place, its end) of the named place at `k`; no noun may follow it."""
         for parts in self.places.get(self._text(k), ()):
             end = k + len(parts)
-            ends = not self._open_at(end) or self._ends_with_attributes(end)
+            ends = not self._open_at(end) or breaks(self.words, end)
+            ends = ends or self._ends_with_attributes(end)
             if [self._text(j) for j in range(k, end)] == list(parts) and ends:
                 return self.lexicon.places[" ".join(parts)], end
         return "", k

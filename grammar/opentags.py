@@ -68,7 +68,7 @@ class OpenTagger(RelationTagger):
         if numbered and self._open_at(self.i + 1):
             self.i += 1  # the 1st drawer: which one is no business of a camera
             return True
-        if text in ("one", "ones") and not self._open_at(self.i + 1):
+        if text in ("one", "ones") and not self._goes_on(self.i + 1):
             self._emit("ONE", text, 1)
             return True
         number = numbers.cardinal([w.text for w in self.words[self.i : self.i + 2]], 0)

@@ -53,8 +53,9 @@ class RelationTagger(VerbTagger):
         if self._text(k) not in ("it", "them") or not named or kinds.count("REL") != 1:
             return False
         link = kinds.index("REL")
-        one = kinds[:link].count("NOUN") == 1 and kinds[link:].count("NOUN") == 1
-        counted = {"NUMBER", "_HOWMANY", "_HOWLONG", "_WHAT", "_WHICH", "AND", "OR"} & {*kinds}
+        things = kinds[link:].count("NOUN") - kinds[link:].count("OR")
+        one = kinds[:link].count("NOUN") == things == 1
+        counted = {"NUMBER", "_HOWMANY", "_HOWLONG", "_WHAT", "_WHICH", "AND"} & {*kinds}
         led = link > 0 and kinds[link - 1] == "NOUN" and self.out.tags[link].value == "together"
         return led and one and not counted
 

@@ -88,8 +88,8 @@ class Tagger(OpenTagger):
         return joins
 
     def _joint_part(self) -> bool:
-        """With a blue cap and a white label: another part of the same thing."""
-        return self._text(self.i) == "and" and self._part()
+        """With a blue cap and a white label: another part of the same thing; or no rule's."""
+        return self._text(self.i) in ("and", "or") and self._part()
 
     # -- phrases
 
@@ -190,7 +190,8 @@ class Tagger(OpenTagger):
                     return False  # the robot vacuum is a thing
                 return said not in ("you", "u") or self._last() != "SEE"
             case "_EXCEPT":
-                before = ("NOUN", "ONE", "COMMA", "SIDE_BY_SIDE", "AT_PLACE", "HERE", "_WHAT")
+                before = ("NOUN", "ONE", "COMMA", "SIDE_BY_SIDE", "AT_PLACE", "HERE", "_WHAT",
+                          "MOVED", "MISSING")  # fmt: skip
                 return self._last() in before
             case _:
                 return True

@@ -22,6 +22,23 @@ def tidied(tags: list[Tag]) -> list[Tag]:
     return tags
 
 
+def _ones(tags: list[Tag]) -> list[Tag]:
+    """Read `one` in a list as the noun before it: a red cup or a blue one."""
+    out = list(tags)
+    for i, tag_ in enumerate(out):
+        k = i - 1
+        while k > 0 and out[k].type in ("DET", "OWNER", "ATTR", "NOT_ATTR", "NUMBER"):
+            k -= 1
+        if (
+            tag_.type == "ONE"
+            and k > 0
+            and out[k].type in ("AND", "OR")
+            and out[k - 1].type == "NOUN"
+        ):
+            out[i] = Tag("NOUN", out[k - 1].value, tag_.word)
+    return out
+
+
 def _lacking(tags: list[Tag]) -> list[Tag]:
     """Say last what the things asked for are without: cups but no bowls on the table."""
     at = next((i for i, t in enumerate(tags) if t.type == "LACKS"), 0)
@@ -101,7 +118,9 @@ def _excepted(tags: list[Tag]) -> list[Tag]:
     """
     at = next((i for i, t in enumerate(tags) if t.type == "_EXCEPT"), 0)
     end = _except_end(tags, at)
-    if not at or tags[end - 1].type != "NOUN":
+    if at and tags[end - 1].type != "NOUN":
+        return _one_excepted(tags, at)
+    if not at:
         return tags
     joints = ("AND", "OR")
     others = [Tag("_EXCEPT", 0, t.word) if t.type in joints else t for t in tags[at:end]]
@@ -116,6 +135,18 @@ def _excepted(tags: list[Tag]) -> list[Tag]:
     if figure is None or not (isinstance(noun, Noun) and noun.category == ANYTHING):
         return tags
     return [*before[: figure + 1], *others, *before[figure + 1 :], *after]
+
+
+def _one_excepted(tags: list[Tag], at: int) -> list[Tag]:
+    """Let one that is excepted be of the things asked for: cups on it besides the red one."""
+    end = at + 1
+    while end < len(tags) and tags[end].type in ("DET", "OWNER", "ATTR", "ONE"):
+        end += 1
+    figure = next((i for i, t in enumerate(tags) if t.type in ("NOUN", "ONE")), at)
+    placed = any(t.type in _PLACING for t in tags[figure:at])
+    if not placed or end < len(tags):
+        return tags
+    return [*tags[: figure + 1], *tags[at:end], *tags[figure + 1 : at]]
 
 
 def _except_end(tags: list[Tag], at: int) -> int:
@@ -288,6 +319,7 @@ def _predicates(tags: list[Tag]) -> list[Tag]:
 
 _SETTLING: tuple[tuple[Callable[[list[Tag]], list[Tag]], tuple[str, ...]], ...] = (
     (_owners_first, ("NUMBER",)),
+    (_ones, ("ONE",)),
     (_lacking, ("LACKS",)),
     (_carried, ("CARRIES",)),
     (_either_look, ("OR",)),

@@ -70,6 +70,12 @@ def _owned(words: tuple[Any, ...]) -> Things:
     return replace(things, group=replace(things.group, terms=terms))
 
 
+def _but(words: tuple[Any, ...]) -> Things:
+    """Return anything where it is said to be, but what is left out."""
+    others = tuple(term for w in words if isinstance(w, Change) for term in w.other_than)
+    return Things(Group((replace(THING, other_than=others),)), items_of(words))
+
+
 _EVERY = ("everything", "all")
 """What is listed where nothing is asked: everything in the hall."""
 
@@ -203,9 +209,15 @@ class Meanings(Terms):
 
     def what_but(self, *words: Any) -> Meaning:
         """Rule what: _WHAT aux tail but+. What is left out is left out of the things asked for."""
-        others = tuple(term for w in words if isinstance(w, Change) for term in w.other_than)
-        figure = Group((replace(THING, other_than=others),))
-        return Meaning("what", Things(figure, items_of(words)))
+        return Meaning("what", _but(words))
+
+    def what_moved_but(self, *words: Any) -> Meaning:
+        """Rule moved: _WHAT aux? MOVED tail? but+."""
+        return Meaning("moved", _but(words))
+
+    def what_missing_but(self, *words: Any) -> Meaning:
+        """Rule missing: _WHAT aux MISSING tail? but+."""
+        return Meaning("missing", _but(words))
 
     def what_attribute(self, *words: Any) -> Meaning:
         """Rule what: _WHAT tail? aux PREDICATE+."""
