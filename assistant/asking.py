@@ -20,6 +20,7 @@ from assistant.reply import sentence
 from assistant.rooms import EVERYTHING, everything_words, in_each_room, told_by_room
 from assistant.spots import of_the_spot, on_a_spot, told_as_place, without_itself
 from assistant.tense import planned
+from assistant.whose import whose_words
 from d3a.answer import Answer, Status
 from d3a.answering.conclude import within
 from d3a.answering.facts import Facts
@@ -262,7 +263,8 @@ def _said(answer: Answer, query: FormalQuery, facts: Facts, now: datetime) -> An
     answer, query = without_itself(answer, query), as_heard(query, facts)
     if answer.query is not None:
         answer = replace(answer, query=as_heard(answer.query, facts))
-    told = everything_words(answer, query) or sentence(answer, now=now)
+    told = everything_words(answer, query) or whose_words(answer, query, facts)
+    told = told or sentence(answer, now=now)
     parts = (told, of_the_spot(query, facts), _of_its_number(answer, query))
     said = " ".join(part for part in parts if part)
     if facts.meta(FORGOTTEN):

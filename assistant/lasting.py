@@ -57,11 +57,11 @@ def since_words(answer: Answer, query: FormalQuery, now: datetime) -> str:
     elif before.start > best.last:  # it may have moved since, under another id
         there = there_words(before, query)
         told = f"I cannot be sure. I saw {thing} since {since}."
-        return f"{told} I saw one that may be the same {when(before.end, now)}{there}."
+        return f"{told} I saw {_some(query)} that may be the same {when(before.end, now)}{there}."
     else:
         there = there_words(before, query)
-        same = "it" if before.object_id == best.object_id else "one that may be the same"
-        same = "them" if same == "it" and said_many(query, term_of(query)) else same
+        same = f"{_some(query)} that may be the same"
+        same = _pronoun(query) if before.object_id == best.object_id else same
         told = f"Since {since}, at the latest: I saw {thing} then."
         told += f" Before that I saw {same} {when(before.end, now)}{there}."
     again = f" I last saw {_pronoun(query)} there {when(end, now)}."
@@ -71,6 +71,10 @@ def since_words(answer: Answer, query: FormalQuery, now: datetime) -> str:
 
 def _pronoun(query: FormalQuery) -> str:
     return "them" if said_many(query, term_of(query)) else "it"
+
+
+def _some(query: FormalQuery) -> str:
+    return "some" if said_many(query, term_of(query)) else "one"
 
 
 def _the_thing(answer: Answer, query: FormalQuery) -> str:

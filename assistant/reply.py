@@ -56,10 +56,11 @@ from assistant.phrases import (
 from assistant.refusals import looking_into, refusal_words
 from assistant.tense import chooses_a_sighting
 from assistant.usually import often_words, usual_verdict, usual_words
-from assistant.wording import NOT_SURE
+from assistant.wording import FAIRLY_SURE, NOT_SURE
 from d3a.answer import Answer, RankedKeyframe
 from d3a.answering.points import MINUTE, edge_of
 from d3a.colours import is_colour
+from grammar import vocabulary
 from grammar.forms import Ask, FormalQuery, ObjectTerm, TimeSlice
 
 
@@ -111,7 +112,7 @@ def _whether(answer: Answer, query: FormalQuery, now: datetime) -> str:
     if answer.otherwise is not None and not denied:  # it may have moved, under another id
         since = when(answer.otherwise.end, now) + there_words(answer.otherwise, query)
         told = f"I cannot be sure. I last saw {thing}{condition} {said}{where}."
-        return f"{told} I saw one that may be the same {since}."
+        return f"{told} I saw {'some' if many else 'one'} that may be the same {since}."
     if len(heads) == 1 or query.select == "last":
         verb = "last saw" if query.select == "last" else "saw"
         told = f"{opening}I {verb} {thing}{condition} {said}{where}."
@@ -141,7 +142,7 @@ def _yes(answer: Answer, query: FormalQuery) -> str:
     if answer.unjudged or not_judged(answer):
         return ""
     if not query.negated or query.contrary:
-        return "Yes. "
+        return "Yes. " if newest_of(answer).score >= FAIRLY_SURE else "Maybe. "
     if any(word in query.text.casefold().split() for word in ("see", "seen")):
         return "I did: "
     if not is_one(query):
@@ -303,8 +304,17 @@ def _what(answer: Answer, query: FormalQuery, now: datetime) -> str:
     condition = condition_words(answer, query)
     if query.select == "last":
         newest = seen_when(newest_of(answer), now)
-        return f"I last saw {listed(things)}{condition}, the newest {newest}."
+        return f"I last saw {listed(things)}{condition}, the newest {newest}.{_doubted(answer)}"
     return f"I saw {listed(things)}{condition}, {last_words(answer, query, now)}."
+
+
+def _doubted(answer: Answer) -> str:
+    """Return what was there too, and was seen elsewhere since, or something like it was."""
+    kinds = Counter(vocabulary.canonical(category) for category in answer.doubted)
+    if not kinds:
+        return ""
+    things = listed([article(kind) if n == 1 else counted(n, kind) for kind, n in kinds.items()])
+    return f" {sentence_case(things)} that I saw there may be elsewhere by now."
 
 
 def _at_the_edge(answer: Answer, query: FormalQuery, now: datetime) -> str:

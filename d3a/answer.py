@@ -104,7 +104,8 @@ class Answer:
     count of a no: how many there were where more were asked for.
     amounts: of several objects that were counted at once, the least and the most of each.
     stayed: from when to when it was so whenever it was seen, by time, where how long is asked;
-    in_view: for how many seconds of that it was seen; for the sentence, as the next four.
+    in_view: for how many seconds of that it was seen. doubted: the categories of what was there
+    and may be elsewhere by now, so that it is not listed; for the sentence, as the next four.
     least: how many of `count` must be different things: a moved one may have got a new id.
     apart: for a no about moving, at how many places things were seen then that may be one.
     denied: of how many things people said that they are not the owner's who is asked about, so
@@ -131,6 +132,7 @@ class Answer:
     amounts: tuple[tuple[int, int], ...] = ()
     stayed: tuple[tuple[datetime, datetime], ...] = ()
     in_view: float = 0.0
+    doubted: tuple[str, ...] = ()
     denied: int = 0
     precision: str | None = None
     truncated: bool = False

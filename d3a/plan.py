@@ -176,6 +176,8 @@ def _asks_for_the_present(query: FormalQuery) -> bool:
     """
     somewhere = query.relation is not None or query.place is not None
     asked = query.ask in ("what", "whether", "count")
+    number = bool(query.objects) and query.objects[0].quantity is not None
+    asked = asked or (query.ask == "where" and number)  # two cups on the table: those there now
     return query.select == "last" and asked and somewhere and query.time is None
 
 

@@ -15,6 +15,7 @@ from grammar.cursor import DETERMINERS, OWNERS, PRONOUNS, TIME_GAP, Tagged
 from grammar.errors import NotUnderstood, OutOfScope, QuestionError
 from grammar.forms import ObjectTerm
 from grammar.nouns import Noun
+from grammar.nountags import KIN
 from grammar.phrases import asks_at_start, phrases
 from grammar.suggestions import suggestions
 from grammar.vocabulary import Lexicon, files
@@ -97,12 +98,25 @@ def refuse_early(
         after = tuple(texts[len(opening) :])
         if any(after[: len(said)] == said for said in excuses) or _points(opening, after, it):
             continue
+        if opening == ("what", "does") and _has(after, lexicon):
+            continue
         raise out(text, words[len(opening) - 1], _REASON, rest, lexicon)
 
 
 _LEADING = {(verb, to) for verb in ("leads", "lead", "opens") for to in ("to", "into", "onto")}
 _ERASING = words_of("delete forget remove")
 _REASON = "A memory of sightings knows where and when things were seen, nothing else"
+
+
+def _has(after: tuple[str, ...], lexicon: Lexicon) -> bool:
+    """Whether it is said that a person has something: anna has, my sister owns on the desk.
+
+    What they have to do, or for lunch, is no thing that was seen.
+    """
+    led = after[:1] != () and after[0] in OWNERS
+    person, verb, *more = (*after[led:], "", "")
+    known = lexicon.singular(person) in KIN if led else person in lexicon.names or person in KIN
+    return known and verb in ("have", "own", "possess") and more[0] not in ("to", "for")
 
 
 def _points(opening: tuple[str, ...], after: tuple[str, ...], it: ObjectTerm | None) -> bool:

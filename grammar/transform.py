@@ -190,8 +190,6 @@ class Meanings(Terms):
 
     def whether_owned(self, *words: Any) -> Meaning:
         """Rule whether: aux things IS_OWNED | aux POSSESSOR HAVE things."""
-        if any(isinstance(w, Token) and w.value in (Whose("me"), Whose("you")) for w in words):
-            raise MeaningError("it asks whose a thing is")  # what is said to be mine is taken so
         return Meaning("whether", _owned(words))
 
     def whether_attribute(self, *words: Any) -> Meaning:

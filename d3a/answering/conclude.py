@@ -40,6 +40,7 @@ def conclude(run: Run, limit: int) -> Answer:
         amounts=_amounts(run),
         stayed=tuple([_span(run, span) for span in stayed]),
         in_view=_in_view_ms(run) / 1000 if stayed else 0.0,
+        doubted=tuple([m.figure.candidate.record.category for m in run.doubted]),
         apart=run.apart,
         denied=len(run.denied.get(VARIABLES[0], ())),
         precision=next((s.precision for s in run.steps if isinstance(s, FindObjects)), None),

@@ -7,7 +7,7 @@ missed there.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 
 from d3a.answering.distinct import rounds_of
 from d3a.answering.moments import Entry, Found, Moment, entry_of, single
@@ -41,7 +41,8 @@ def keep_present(run: Run, step: KeepPresent) -> None:
         table.gone.append(sighting if there else newest[sighting.object_id])
     kept = [at_its_newest(moment, table, newest) for moment in kept]
     if step.anywhere:
-        kept = _each_thing_once(table, kept, before)
+        alike = _Alike(table, kept, before)  # the newest place counts
+        kept = [moment for moment in kept if not alike.seen_since(moment, ())]
     else:
         kept = _doubted(run, term, table, kept, before)
     if run.moments is not None:
@@ -50,21 +51,36 @@ def keep_present(run: Run, step: KeepPresent) -> None:
         table.sightings = [moment.figure.sighting for moment in kept]
 
 
-def _each_thing_once(
-    table: Found, kept: Sequence[Moment], before: Sequence[Sighting]
-) -> list[Moment]:
-    """Leave out what may have been seen since under a new id: the newest place counts."""
-    shown, newest = rounds_of(before), newest_of(before)
+class _Alike:
+    """What else of its kind was seen, so that it may be the same thing under another id."""
 
-    def is_later(name: str, moment: Moment) -> bool:
-        mine = moment.figure.candidate.record
-        return (
-            table.candidates[name].record.category == mine.category
-            and newest[name].start_ms > moment.end_ms
-            and shown[name].isdisjoint(shown[mine.object_id])
-        )
+    def __init__(self, table: Found, kept: Sequence[Moment], before: Sequence[Sighting]) -> None:
+        kinds = {moment.figure.candidate.record.category for moment in kept}
+        of = {name: c.record.category for name, c in table.candidates.items()}
+        seen = [s for s in before if of.get(s.object_id) in kinds]
+        self._shown, self._newest, self._first = rounds_of(seen), newest_of(seen), first_of(seen)
+        self._of_kind: dict[str, list[str]] = {}
+        for name in self._newest:
+            self._of_kind.setdefault(of[name], []).append(name)
 
-    return [moment for moment in kept if not any(is_later(name, moment) for name in newest)]
+    def turned_up(self, moment: Moment, besides: Collection[str]) -> list[Sighting]:
+        """Return those that were first seen after the moment, each as it was seen last."""
+        names = self._others(moment, besides)
+        return [self._newest[n] for n in names if self._first[n].start_ms > moment.end_ms]
+
+    def seen_since(self, moment: Moment, besides: Collection[str]) -> list[Sighting]:
+        """Return those that were seen after the moment, and never in one round with its thing."""
+        mine = self._shown[moment.figure.sighting.object_id]
+        return [
+            self._newest[name]
+            for name in self._others(moment, besides)
+            if self._newest[name].start_ms > moment.end_ms and self._shown[name].isdisjoint(mine)
+        ]
+
+    def _others(self, moment: Moment, besides: Collection[str]) -> list[str]:
+        of_kind = self._of_kind[moment.figure.candidate.record.category]
+        mine = moment.figure.sighting.object_id
+        return [name for name in of_kind if name != mine and name not in besides]
 
 
 def _doubted(
@@ -73,38 +89,21 @@ def _doubted(
     """Leave out of a list what may have moved under a new id; tell it of a thing asked for.
 
     Another of its category turned up elsewhere after it was seen last: it may be that one. So may
-    any that is asked for, was seen elsewhere since, and never in one round with it.
+    any that was seen elsewhere since, and never in one round with it: of what is listed that is
+    told apart, but for the large things that stay.
     """
     here = {moment.figure.sighting.object_id for moment in kept}
-    first: dict[str, Sighting] = {}
-    for sighting in sorted(before, key=lambda s: (s.start_ms, s.object_id, s.place)):
-        first.setdefault(sighting.object_id, sighting)
-    newest = newest_of(before)
-
-    is_any = term.category == ANYTHING
-    shown = rounds_of(before) if term.attributes or not is_any else {}
-
-    def is_alike(moment: Moment, name: str) -> bool:
-        mine = moment.figure.sighting.object_id
-        return (
-            bool(shown)
-            and newest[name].start_ms > moment.end_ms
-            and shown[name].isdisjoint(shown[mine])
-        )
-
-    def later(moment: Moment) -> list[Sighting]:
-        kind = moment.figure.candidate.record.category
-        return [
-            newest[name]
-            for name, sighting in first.items()
-            if name not in here
-            and table.candidates[name].record.category == kind
-            and (sighting.start_ms > moment.end_ms or is_alike(moment, name))
+    alike = _Alike(table, kept, before)
+    if term.category == ANYTHING:
+        kept = [moment for moment in kept if not alike.turned_up(moment, here)]
+        stay = run.facts.landmarks(run.lexicon) if kept else ()
+        run.doubted = [
+            moment
+            for moment in kept
+            if moment.figure.sighting.object_id not in stay and alike.seen_since(moment, here)
         ]
-
-    if is_any:
-        return [moment for moment in kept if not later(moment)]
-    doubts = [later(moment) for moment in kept]
+        return [moment for moment in kept if moment not in run.doubted] or kept
+    doubts = [[*alike.turned_up(m, here), *alike.seen_since(m, here)] for m in kept]
     if doubts and all(doubts):
         best = max((s for each in doubts for s in each), key=lambda s: (s.end_ms, s.object_id))
         run.otherwise = single(table, best)
@@ -124,6 +123,12 @@ def _newest_likeness(
     least = LEAST_OF_BEST * max(worth.values(), default=0.0)
     likely = [name for name in sorted(worth) if worth[name] >= least]
     return max(likely, key=lambda name: (newest[name].end_ms, name), default=None)
+
+
+def first_of(sightings: Iterable[Sighting]) -> dict[str, Sighting]:
+    """Return the sighting of each object that began first, by object id."""
+    ordered = sorted(sightings, key=lambda s: (s.start_ms, s.place), reverse=True)
+    return {sighting.object_id: sighting for sighting in ordered}
 
 
 def newest_of(sightings: Iterable[Sighting]) -> dict[str, Sighting]:

@@ -44,8 +44,8 @@ class Run:
     was read; counted: of how many objects there are some; surely: how many of them must be
     different things, where that is too many; figures: how many of a moment's entries are what is
     asked for, more than one of things that were together; stretches: from when to when they were
-    so, where that is asked; since_ms: from when on a relation was
-    looked for, as the variables `reached` allow.
+    so, where that is asked; doubted: what was so and may be elsewhere by now; since_ms: from when
+    on a relation was looked for, as the variables `reached` allow.
     """
 
     query: FormalQuery
@@ -82,6 +82,7 @@ class Run:
     message: str | None = None
     rank_step: Rank | None = None
     stretches: list[Stretch] = field(default_factory=list)
+    doubted: list[Moment] = field(default_factory=list)
     plain: dict[str, dict[str, Candidate]] = field(default_factory=dict)
     rooms: dict[str, Region] = field(default_factory=dict)
     _spots: dict[StayKey, Spot] = field(default_factory=dict)

@@ -198,3 +198,61 @@ def test_whose_a_thing_is_is_not_said_where_nobody_told(home: Home) -> None:
     assert told(home, "Where is Anna's cup?").startswith("In the hall. I last saw the cup there")
     assert told(home, "Where is Anna's cup?").endswith("Nobody told me what is Anna's.")
     assert told(home, "Where are my things?") == "Nobody told me what is yours."
+
+
+def test_what_lay_there_and_may_be_elsewhere_is_told_apart(home: Home) -> None:
+    for name, minutes, x in (("lies", (0,), 1), ("again", (-60, 100), 6)):
+        home.thing(name, "bowl")
+        for minute in minutes:
+            home.seen(name, minute, minute + 2, at=(x, 2, 1))
+    home.thing("key", "key")
+    home.seen("key", 150, at=(1, 0, 1))
+    answer = answered(home, "What is in the kitchen?")
+    assert answer.answer == (
+        "I last saw a key in the kitchen, the newest today at 14:30, 4 hours ago. A bowl that I "
+        "saw there may be elsewhere by now."
+    )
+    assert [k.object_id for k in answer.keyframes] == ["key"]
+    home.seen("again", 1, at=(6, 2, 1))  # both in one round: two bowls
+    assert "elsewhere" not in told(home, "What is in the kitchen?")
+
+
+def test_so_many_things_somewhere_are_those_there_now(home: Home) -> None:
+    for name in ("left", "right"):
+        home.thing(name, "cup", paint="blue")
+        home.seen(name, 0, 30, at=(1, 2 if name == "left" else 0, 1))
+    answer = answered(home, "Two cups in the kitchen")
+    assert {k.object_id for k in answer.keyframes} == {"left", "right"}
+
+
+def test_a_yes_is_none_where_it_is_more_likely_not_so(home: Home) -> None:
+    home.thing("bowl", "bowl", tentative=True)
+    home.seen("bowl", 0, at=(1, 2, 1), probability=0.3, times=1)
+    assert told(home, "Did you see a bowl?").startswith("Maybe. I saw a bowl")
+    assert told(home, "Did you see a cup?").startswith("Yes. I saw a cup")
+
+
+def test_what_was_refused_for_its_look_is_told_where_it_was_seen_last(home: Home) -> None:
+    home.thing("old", "bowl", paint="blue")
+    home.seen("old", 0, at=(1, 2, 1))
+    home.thing("new", "bowl", paint="white")
+    home.seen("new", 150, at=(1, 2, 1))
+    said = told(home, "Did you see a red bowl?")
+    assert said.endswith(
+        "none that looked red. I last saw one today at 14:30, 4 hours ago, in the kitchen."
+    )
+
+
+def test_whether_it_is_mine_is_what_somebody_told(home: Home) -> None:
+    home.thing("hers", "key", names=[("key", "anna")])
+    home.seen("hers", 0, at=(1, 2, 1))
+    home.thing("any", "key")
+    home.seen("any", 0, at=(1, 0, 1))
+    said = told(home, "Are those keys mine?")
+    assert said == "Nobody told me that the keys are yours. I know of some that are Anna's."
+    assert told(home, "Are those keys Anna's?").startswith("Yes. I saw Anna's keys")
+    assert told(home, "What does Anna have?").startswith("I saw a key, last today at 12:00")
+    home.thing("mine", "key", names=[("key", "me")])
+    home.seen("mine", 20, at=(1, 0, 1))
+    assert told(home, "Are those keys mine?").startswith("Yes. I saw your keys")
+    assert told(home, "Where are my things?") == "In the kitchen: a key."
