@@ -14,8 +14,18 @@ from typing import NamedTuple
 
 import numpy as np
 
-from d3a.colours.names import BASIC, SHADES, Floats, is_metal, linear, listed_as, table, words_of
-from d3a.colours.naming import lab, named
+from d3a.colours.names import (
+    BASIC,
+    SHADES,
+    Floats,
+    is_metal,
+    lab,
+    linear,
+    listed_as,
+    table,
+    words_of,
+)
+from d3a.colours.naming import named
 from d3a.colours.terms import in_light
 
 SPREAD = np.array([10.0, 20.0])

@@ -71,6 +71,10 @@ _DARK = frozenset({"dark", "deep"})
 _LIGHT = frozenset({"light", "pale", "pastel"})
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 """Shares of linear red, green and blue in how bright a light looks (Rec. 709)."""
+_TO_XYZ = np.array(
+    [[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]]
+).T / np.array([0.9505, 1.0, 1.089])
+"""Linear sRGB to XYZ, white at 1 (IEC 61966-2-1, D65)."""
 
 
 def linear(rgb: Floats) -> Floats:
@@ -83,6 +87,17 @@ def encoded(light: Floats) -> Floats:
     """Return linear light as sRGB 0..255; what is brighter than white is white."""
     x = np.clip(light, 0.0, 1.0)
     return np.asarray(255.0 * np.where(x <= 0.0031308, 12.92 * x, 1.055 * x ** (1 / 2.4) - 0.055))
+
+
+def lab(light: Floats) -> Floats:
+    """Return lightness, redness and yellowness (..., 3) of linear light (..., 3), white 1.
+
+    CIELAB (CIE 15), for daylight: equal steps look about equally large.
+    """
+    xyz = light @ _TO_XYZ
+    root = np.where(xyz > 216 / 24389, np.cbrt(xyz), xyz * (841 / 108) + 4 / 29)
+    x, y, z = root[..., 0], root[..., 1], root[..., 2]
+    return np.asarray(np.stack([116 * y - 16, 500 * (x - y), 200 * (y - z)], axis=-1))
 
 
 def words_of(colour: str) -> tuple[str, ...]:
@@ -189,9 +204,8 @@ def _among_which(colour: str) -> tuple[str, Floats] | None:
     asked = colours_of(colour)
     if asked is None:
         return None
-    middle = encoded(asked).mean(axis=0)
-    codes = table().colours
-    apart = np.linalg.norm(codes - middle, axis=1)
+    listed = linear(table().colours)
+    apart = np.linalg.norm(lab(listed) - lab(asked).mean(axis=0), axis=1)
 
     def nearness(term: str) -> float:
         return float(np.sort(apart[list(_rows_of((term,)))])[:_NEIGHBOURS].mean())
@@ -199,7 +213,7 @@ def _among_which(colour: str) -> tuple[str, Floats] | None:
     base = min(BASIC, key=nearness)
     kin = np.array(_rows_of((base,)))
     farther = kin[apart[kin] > np.median(apart[kin])]
-    return (base, linear(codes[farther])) if len(farther) else None
+    return (base, listed[farther]) if len(farther) else None
 
 
 @lru_cache(maxsize=256)

@@ -1,7 +1,6 @@
 """What people call a colour that they see as it is: by the names of the survey nearest to it.
 
-Nearness is that of the eye, in CIELAB (CIE 15): equal steps look about equally large. Light that
-is dimmer than the sensor's white is made good first, as the eye does.
+Light that is dimmer than the sensor's white is made good first, as the eye does.
 """
 
 from __future__ import annotations
@@ -11,24 +10,11 @@ from functools import lru_cache
 import numpy as np
 
 from d3a.colours.looks import HISTOGRAM_SIZE
-from d3a.colours.names import BASIC, Floats, colours_of, linear
+from d3a.colours.names import BASIC, Floats, colours_of, lab, linear
 
 NEAR = 16.0
 """Distance at which a name counts 0.6 of one that is hit: people draw borders 10 to 20 apart."""
 _NOBODY = 1e-9
-_TO_XYZ = np.array(
-    [[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]]
-).T / np.array([0.9505, 1.0, 1.089])
-"""Linear sRGB to XYZ, white at 1 (IEC 61966-2-1, D65)."""
-
-
-def lab(light: Floats) -> Floats:
-    """Return the lightness, redness and yellowness (..., 3) of linear light (..., 3), white 1."""
-    xyz = light @ _TO_XYZ
-    root = np.where(xyz > 216 / 24389, np.cbrt(xyz), xyz * (841 / 108) + 4 / 29)
-    x, y, z = root[..., 0], root[..., 1], root[..., 2]
-    seen = np.stack([116 * y - 16, 500 * (x - y), 200 * (y - z)], axis=-1)
-    return np.asarray(seen)
 
 
 def bin_levels() -> Floats:

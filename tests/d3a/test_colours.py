@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from d3a.colours import BASIC, Appearances, Palette, Verdict, colours_of, is_colour, learn, terms
 from d3a.colours.kinds import kinds_of
-from d3a.colours.names import rest_of
-from d3a.colours.naming import lab, naming
+from d3a.colours.names import lab, rest_of
+from d3a.colours.naming import naming
 from d3a.colours.pixels import AMONG_MANY, as_shares
 from tests.worlds.made import PAINTS, Rgb, painted
 
@@ -339,7 +339,16 @@ def test_polished_metal_mirrors_dark_and_bright() -> None:
 
 @pytest.mark.parametrize(
     ("colour", "base"),
-    [("crimson", "red"), ("maroon", "red"), ("ivory", "white"), ("navy", "blue")],
+    [
+        ("crimson", "red"),
+        ("maroon", "red"),
+        ("ivory", "white"),
+        ("navy", "blue"),
+        ("beige", "white"),
+        ("charcoal", "grey"),
+        ("tan", "brown"),
+        ("olive", "green"),
+    ],
 )
 def test_a_name_of_its_own_is_among_a_basic_colour(colour: str, base: str) -> None:
     rest = rest_of(colour)
