@@ -7,12 +7,13 @@ frames are optical (x right, y down, z forward); covariances are 3 x 3 in the ma
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from d3a.model import Box, Camera, Detection, Pose
+from d3a.model import Box, Camera, Detection, Pose, Position
 from d3a.parameters import Parameters
 from d3a.symmetric import Matrix
 
@@ -26,16 +27,19 @@ MIN_DEPTHS = 5
 """Fewer measured pixels than this in the middle of a box are no measurement."""
 
 
+def axes(pose: Pose) -> tuple[float, ...]:
+    """Return the nine numbers, row by row, of the matrix that turns camera axes into map axes."""
+    x, y, z, w = pose.quaternion
+    return (
+        1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w),
+        2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w),
+        2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y),
+    )  # fmt: skip
+
+
 def rotation(pose: Pose) -> Floats:
     """Return the (3, 3) matrix that turns camera axes into map axes."""
-    x, y, z, w = pose.quaternion
-    return np.array(
-        [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
-        ]
-    )
+    return np.array(axes(pose)).reshape(3, 3)
 
 
 def quaternion(matrix: Floats) -> tuple[float, float, float, float]:
@@ -221,35 +225,38 @@ def project(points: Floats, pose: Pose, camera: Camera) -> Projection:
     return Projection(u, v, z)
 
 
-@dataclass(frozen=True, slots=True)
-class Frustum:
-    """What a camera has in view, as half-spaces along its own axes.
+def frustum(camera: Camera, range_m: float, margin: float) -> Floats:
+    """Return what a camera has in view, (6, 4): half-spaces along its own axes.
 
-    planes: (6, 3) and least: (6, 1), what each plane's product with a point must be at least.
+    The picture without `margin` (share of its size) at each edge, to so far away: a point is in
+    view where the products of all rows with 1, x, y and z are 0 or more. That of the fifth is how
+    far ahead it is, less `NEAREST_M`.
     """
-
-    planes: Floats
-    least: Floats
-
-    @classmethod
-    def of(cls, camera: Camera, range_m: float, margin: float) -> Frustum:
-        """Return what lies in the picture, `margin` (share of its size) from the edge."""
-        edge_u, edge_v = camera.width * margin, camera.height * margin
-        planes = [
-            [camera.fx, 0.0, camera.cx - edge_u],
-            [-camera.fx, 0.0, camera.width - edge_u - camera.cx],
-            [0.0, camera.fy, camera.cy - edge_v],
-            [0.0, -camera.fy, camera.height - edge_v - camera.cy],
-            [0.0, 0.0, 1.0],
-            [0.0, 0.0, -1.0],
+    edge_u, edge_v = camera.width * margin, camera.height * margin
+    return np.array(
+        [
+            [0.0, camera.fx, 0.0, camera.cx - edge_u],
+            [0.0, -camera.fx, 0.0, camera.width - edge_u - camera.cx],
+            [0.0, 0.0, camera.fy, camera.cy - edge_v],
+            [0.0, 0.0, -camera.fy, camera.height - edge_v - camera.cy],
+            [-NEAREST_M, 0.0, 0.0, 1.0],
+            [range_m, 0.0, 0.0, -1.0],
         ]
-        least = [0.0, 0.0, 0.0, 0.0, NEAREST_M, -range_m]
-        return cls(np.array(planes), np.array(least)[:, None])
+    )
 
-    def inside(self, points: Floats) -> NDArray[np.intp]:
-        """Return which of points (3, n), along the camera's axes, are in view."""
-        seen = np.logical_and.reduce(self.planes @ points >= self.least, axis=0)
-        return np.asarray(seen.nonzero()[0])
+
+def into_camera(eye: Position, turn: Sequence[float]) -> list[float]:
+    """Return the (4, 4) matrix, row by row, from 1, x, y, z in the map to those along the axes.
+
+    eye: where the camera is; turn: its axes, see `axes`.
+    """
+    (x, y, z), (a, b, c, d, e, f, g, h, i) = eye, turn
+    return [
+        1.0, 0.0, 0.0, 0.0,
+        -(a * x + d * y + g * z), a, d, g,
+        -(b * x + e * y + h * z), b, e, h,
+        -(c * x + f * y + i * z), c, f, i,
+    ]  # fmt: skip
 
 
 def heading(pose: Pose) -> float:

@@ -8,11 +8,11 @@ look says follows from how often such things are found at all.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
-from d3a.geometry import rotation
 from d3a.model import Position
 from d3a.parameters import Parameters
 from d3a.sightings import Scene
@@ -44,16 +44,18 @@ class Looked:
         """What `_before` told of places, for as long as no look is forgotten: the same few are
         asked of after each look, and mostly not seen in between."""
 
-    def watch(self, scene: Scene, eye: Position) -> None:
-        """Take in a frame; eye: where it was taken from, in the map of things."""
-        pose, camera = scene.pose, scene.camera
-        if self.is_open or pose is None or camera is None:
+    def watch(self, scene: Scene, eye: Position, turn: Sequence[float]) -> None:
+        """Take in a frame of a known camera.
+
+        eye: where it was taken from, in the map of things; turn: see `geometry.axes`.
+        """
+        camera = scene.camera
+        if self.is_open or camera is None:
             return
         self.is_open = True
         edge_u, edge_v = (n * self._parameters.view_margin for n in (camera.width, camera.height))
         left, right = ((u - camera.cx) / camera.fx for u in (edge_u, camera.width - edge_u))
         top, bottom = ((v - camera.cy) / camera.fy for v in (edge_v, camera.height - edge_v))
-        turn = rotation(pose).ravel().tolist()
         if self._count == len(self._rows):
             self._rows[:KEPT] = self._rows[KEPT:]
             self._told.clear()

@@ -24,6 +24,7 @@ from d3a.tracking.look_space import LookSpace
 from d3a.tracking.memory import Memory
 from d3a.tracking.neighbours import Neighbours
 from d3a.tracking.positions import Row
+from d3a.tracking.sides import LOOKS_KEPT, SIDES_KEPT
 
 Floats = NDArray[np.float64]
 
@@ -184,9 +185,10 @@ def _join(kept: Known, gone: Known, memory: Memory, parameters: Parameters) -> N
     place.hits += lost.hits
     place.chances = max(place.chances, place.hits)
     place.misses, place.throughs, place.evidence, place.missed_from = 0, 0, 0.0, []
-    place.seen_from = [*place.seen_from, *lost.seen_from]
+    place.seen_from = [*place.seen_from, *lost.seen_from][-SIDES_KEPT:]
+    memory.positions.put_sides(place)
     # each was looked for in vain where the other was found
-    place.looks = [look for look in (*place.looks, *lost.looks) if look[-1]]
+    place.looks = [look for look in (*place.looks, *lost.looks) if look[-1]][-LOOKS_KEPT:]
     kept.met |= gone.met
     kept.dirty = True
     memory.remove(gone)

@@ -12,6 +12,7 @@ from d3a.parameters import Parameters
 from d3a.symmetric import Matrix, Six, Triple, Vector, added, along
 from d3a.tracking.kalman import pulled
 from d3a.tracking.known import Known, Place
+from d3a.tracking.sides import SIDES_KEPT
 
 Floats = NDArray[np.float64]
 SCALE_PRIOR = 4.0
@@ -68,7 +69,9 @@ class Positions:
         self._size = 64
         self._order = np.empty(64, dtype=np.int64)
         """By thing and place, as one number."""
-        self._columns = np.empty((9, 64))
+        self._columns = np.ones((10, 64))
+        """Ones, and then `columns`."""
+        self._sides = np.empty((64, 3, SIDES_KEPT))
 
     @property
     def placed(self) -> int:
@@ -86,17 +89,45 @@ class Positions:
 
         What all of a frame is compared with: so much quicker as so few rows of many numbers.
         """
-        return self._columns[:, : len(self.owners)]
+        return self._columns[1:, : len(self.owners)]
+
+    @property
+    def spots(self) -> Floats:
+        """(4, k): 1 x y z of the means."""
+        return self._columns[:4, : len(self.owners)]
 
     @property
     def variance(self) -> Floats:
         """(3, k): the spread along x, y and z alone."""
         return self._columns[_DIAGONAL, : len(self.owners)]
 
-    def variances(self, rows: NDArray[np.intp]) -> Floats:
-        """Return the spread (k,) of some rows (k,) along all three axes together."""
-        columns = self._columns
-        return np.asarray(columns[3, rows] + columns[6, rows] + columns[8, rows])
+    @property
+    def spread_m2(self) -> Floats:
+        """(k,): the spread along all three axes together."""
+        columns = self.columns
+        return np.asarray(columns[3] + columns[6] + columns[8])
+
+    def keys(self, rows: NDArray[np.intp]) -> NDArray[np.int64]:
+        """Return what places in some rows are known by wherever their rows are, (k,)."""
+        return np.asarray(self._order[rows])
+
+    def rows_of(self, keys: NDArray[np.int64]) -> NDArray[np.intp]:
+        """Return the rows of places by their keys (k,), -1 of those that are no more."""
+        order = self._order[: len(self.owners)]
+        by_key = order.argsort()
+        at = order.searchsorted(keys, sorter=by_key)
+        rows = by_key[np.minimum(at, len(order) - 1)] if len(order) else at
+        return np.where(order[rows] == keys, rows, -1) if len(order) else np.full_like(at, -1)
+
+    def sides(self, rows: NDArray[np.intp]) -> Floats:
+        """Return from where the places in some rows were seen, (k, 3, SIDES_KEPT), NaN: nowhere."""
+        return np.asarray(self._sides[rows])
+
+    def put_sides(self, place: Place) -> None:
+        """Take over from where a place was seen."""
+        sides = self._sides[place.row]
+        sides[:, len(place.seen_from) :] = np.nan
+        sides[:, : len(place.seen_from)] = np.array(place.seen_from).T
 
     def of(self, place: Place) -> Row:
         """Return what is known of a place."""
@@ -105,7 +136,7 @@ class Positions:
     def put(self, place: Place, row: Row) -> None:
         """Set what is known of a place."""
         self._rows[place.row] = row
-        self._columns[:, place.row] = (*row.mean, *row.spread)
+        self._columns[1:, place.row] = (*row.mean, *row.spread)
 
     def add(self, placed: Sequence[tuple[Known, Place, Row]]) -> None:
         """Add places with what is known of them."""
@@ -114,14 +145,18 @@ class Positions:
         first, last = len(self.owners), len(self.owners) + len(placed)
         while last > self._size:
             self._size *= 2
-            self._columns = np.concatenate([self._columns, np.empty_like(self._columns)], axis=1)
+            self._columns = np.concatenate([self._columns, np.ones_like(self._columns)], axis=1)
             self._order = np.concatenate([self._order, np.empty_like(self._order)])
+            self._sides = np.concatenate([self._sides, np.empty_like(self._sides)])
         rows = [row for *_, row in placed]
         self._rows += rows
-        self._columns[:, first:last] = np.array([(*row.mean, *row.spread) for row in rows]).T
+        self._columns[1:, first:last] = np.array([(*row.mean, *row.spread) for row in rows]).T
+        self._sides[first:last] = np.nan
         for at, (thing, place, _) in enumerate(placed, first):
             self.owners.append((thing, place))
             self._own(at, thing, place)
+            if place.seen_from:
+                self.put_sides(place)
 
     def _own(self, at: int, thing: Known, place: Place) -> None:
         place.row = at
@@ -174,7 +209,8 @@ class Positions:
             into, of = list(comes_from), list(comes_from.values())
             self._columns[:, into] = self._columns[:, of]
             self._order[into] = self._order[of]
+            self._sides[into] = self._sides[of]
 
 
-_DIAGONAL = np.array([3, 6, 8])
-"""Of the columns."""
+_DIAGONAL = np.array([4, 7, 9])
+"""Of the rows of numbers."""

@@ -8,9 +8,13 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+from numpy.typing import NDArray
+
 from d3a.model import Position
 from d3a.tracking.known import Place
 
+Floats = NDArray[np.float64]
 AGAIN_M, AGAIN_MS, AGAIN_SHARE = 0.8, 300_000, 0.3
 """A look from within so much of another, and so soon after it, is mostly the same look: what hid
 the thing from the detector does so still. Its share of a look of its own."""
@@ -40,11 +44,13 @@ Look = tuple[Position, int]
 """Where the camera was in a look, and when it ended."""
 
 
-def remember_side(place: Place, eye: Position) -> None:
-    """Keep the viewpoint, if it is another than those known; the oldest goes."""
-    # the latest first: a robot mostly is where it just was
-    if not any(math.dist(eye, side) < FAMILIAR_M for side in reversed(place.seen_from)):
-        place.seen_from = [*place.seen_from[1 - SIDES_KEPT :], eye]
+def remember_side(place: Place, eye: Position) -> bool:
+    """Keep the viewpoint, if it is another than those known; the oldest goes. Say whether it is."""
+    for side in reversed(place.seen_from):  # a robot mostly is where it just was
+        if math.dist(eye, side) < FAMILIAR_M:
+            return False
+    place.seen_from = [*place.seen_from[1 - SIDES_KEPT :], eye]
+    return True
 
 
 def is_familiar(place: Place, eye: Position, away_m: float) -> bool:
@@ -53,13 +59,26 @@ def is_familiar(place: Place, eye: Position, away_m: float) -> bool:
     return any(math.dist(eye, side) <= near_m for side in reversed(place.seen_from))
 
 
+def are_familiar(sides: Floats, last: Floats) -> NDArray[np.bool_]:
+    """Say the same of places (k,) with their sides (k, 3, n), NaN for none.
+
+    last: (4, k), x y z of each one's viewpoint, and how far off the place; NaN: it is not familiar.
+    """
+    away = sides - last[:3].T[:, :, None]
+    away *= away
+    near_m2 = np.maximum(FAMILIAR_M, FAMILIAR_SHARE * last[3]) ** 2
+    return np.asarray(np.logical_or.reduce(np.add.reduce(away, axis=1) <= near_m2[:, None], axis=1))
+
+
 def _near_m(away_m: float) -> float:
     return max(FAMILIAR_M, FAMILIAR_SHARE * away_m)
 
 
 def remember_look(place: Place, eye: Position, share: float, found: bool) -> None:
     """Keep whether a look from somewhere found the thing, and its share; the oldest goes."""
-    place.looks = [*place.looks[1 - LOOKS_KEPT :], (eye, share, found)]
+    if len(place.looks) >= LOOKS_KEPT:
+        del place.looks[0]
+    place.looks.append((eye, share, found))
 
 
 def share_of_look(latest: list[Look], eye: Position, time_ms: int) -> tuple[float, list[Look]]:
@@ -67,10 +86,15 @@ def share_of_look(latest: list[Look], eye: Position, time_ms: int) -> tuple[floa
 
     Also the looks that the next one is to be compared with.
     """
+    if not latest:
+        return 1.0, [(eye, time_ms)]
     recent = [each for each in latest if time_ms - each[1] < AGAIN_MS]
-    if any(math.dist(eye, side) < AGAIN_M for side, _ in recent):
-        return AGAIN_SHARE, recent
-    return VISIT_SHARE if recent else 1.0, [*recent, (eye, time_ms)]
+    for side, _ in recent:
+        if math.dist(eye, side) < AGAIN_M:
+            return AGAIN_SHARE, recent
+    share = VISIT_SHARE if recent else 1.0
+    recent.append((eye, time_ms))
+    return share, recent
 
 
 def left(moves: int, known_ms: int, since_ms: int) -> float:
@@ -100,8 +124,9 @@ def chance_from(place: Place, eye: Position, away_m: float, usual: float) -> flo
     A thing that is found nine times in ten may never have been found from just here.
     """
     near_m, found, looks = _near_m(away_m), 0.0, 0.0
+    dist = math.dist
     for side, share, was_found in place.looks:
-        if math.dist(eye, side) <= near_m:
+        if dist(eye, side) <= near_m:
             looks += share
             found += was_found
     here = (found + SIDE_PRIOR * chance(place, usual)) / (looks + SIDE_PRIOR)

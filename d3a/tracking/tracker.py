@@ -82,8 +82,7 @@ class TrackerPipeline:
         self._fetch(observed, scene)
         seen = [] if observed is None else self._recognise(scene, found, observed)
         self._absence.watch(scene, seen, self._matcher.offset)
-        for thing in self._recall.evict():
-            self._absence.forget(thing)
+        self._absence.forget(self._recall.evict())
 
     def _recognise(
         self, scene: Scene, found: list[Thing], observed: Observed
@@ -304,8 +303,8 @@ class TrackerPipeline:
         gone = self._recall.refetch(changed.before, changed.after)
         self._encounters.write(self._ledger)
         self._encounters.forget(changed.before | changed.after)
+        self._absence.forget(gone)
         for thing in gone:
-            self._absence.forget(thing)
             self._moves.compared.discard(thing.number)
 
     def _must_stay(self, one: Known, other: Known) -> bool:
@@ -356,8 +355,9 @@ class TrackerPipeline:
         learned, parts = self._matcher.to_state()
         arrays |= parts
         arrays["doubts"] = self._doubts.counts
-        arrays["looked"] = self._absence.looked.rows
         arrays["doubt"] = np.array(self._categories.doubt)
+        looking, parts = self._absence.to_state()
+        arrays |= parts
         record |= learned
         record |= {
             "next": self._next_number,
@@ -366,7 +366,7 @@ class TrackerPipeline:
             "categories": dict(self._categories.counts),
             "compared": sorted(self._moves.compared),
             "others": self._moves.others,
-            "absence": self._absence.to_state(),
+            "absence": looking,
             "encounters": self._encounters.to_state(),
         }
         return record, arrays
@@ -385,5 +385,5 @@ class TrackerPipeline:
         self._moves.compared = set(record["compared"])
         self._categories.doubt = (float(arrays["doubt"][0]), float(arrays["doubt"][1]))
         self._categories.counts.update(record["categories"])
-        self._absence.restore(record["absence"], arrays["looked"])
+        self._absence.restore(record["absence"], arrays)
         self._encounters.restore(record["encounters"])

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from d3a.geometry import axes
 from d3a.model import Camera, Pose
 from d3a.parameters import DEFAULT
 from d3a.sightings import FrameRef, Scene
@@ -28,6 +29,7 @@ CAMERA = Camera(width=64, height=48, fx=50.0, fy=50.0, cx=32.0, cy=24.0)
 WHERE = np.array([2.0, 0.0, 0.0])
 HOUR_MS = 3_600_000
 ORIGIN = (0.0, 0.0, 0.0)
+AXES = axes(Pose(ORIGIN, AHEAD))
 
 
 def scene(time_ms: int, eye: tuple[float, float, float] = ORIGIN, turn: Turn = AHEAD) -> Scene:
@@ -37,7 +39,7 @@ def scene(time_ms: int, eye: tuple[float, float, float] = ORIGIN, turn: Turn = A
 
 def look(looked: Looked, one: Scene) -> None:
     assert one.pose is not None
-    looked.watch(one, one.pose.position)
+    looked.watch(one, one.pose.position, axes(one.pose))
     looked.end_look()
 
 
@@ -113,12 +115,12 @@ def test_a_look_that_goes_on_is_one_after_a_restart_too() -> None:
     whole, before, after = Looked(DEFAULT), Looked(DEFAULT), Looked(DEFAULT)
     for looked in (whole, before):
         look(looked, scene(0))
-        looked.watch(scene(HOUR_MS), ORIGIN)
+        looked.watch(scene(HOUR_MS), ORIGIN, AXES)
     after.restore(before.rows.copy(), before.is_open)
     for looked in (whole, after):
-        looked.watch(scene(HOUR_MS + 1000), ORIGIN)
+        looked.watch(scene(HOUR_MS + 1000), ORIGIN, AXES)
         looked.end_look()
-        looked.watch(scene(2 * HOUR_MS), ORIGIN)
+        looked.watch(scene(2 * HOUR_MS), ORIGIN, AXES)
     assert len(whole.rows) == 3
     assert np.array_equal(whole.rows, after.rows)
 
