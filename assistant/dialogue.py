@@ -93,13 +93,16 @@ def merge(last: FormalQuery, fragment: Fragment, seen: Seen | None = None) -> Fo
     New objects take the place of the figures, or of the ground where the figure was any thing; `the
     red one` keeps the noun. Raises NotUnderstood when `before that` has no time to start from.
     """
+    contrary = last.contrary if fragment.query is None else fragment.query.contrary
     if fragment.query is not None:
-        merged = fragment.query
+        merged = replace(fragment.query, contrary=False)
     else:
-        merged = _with_items(_with_terms(last, fragment), fragment)
+        merged = _with_items(_with_terms(replace(last, contrary=False), fragment), fragment)
     time = _time(last, fragment, seen)
     select = _select(last, fragment, time)
     ask = fragment.ask or merged.ask
+    negated = merged.negated if fragment.negated is None else fragment.negated
+    somewhere = merged.relation is not None or merged.place is not None
     return replace(
         merged,
         text=fragment.text,
@@ -107,7 +110,8 @@ def merge(last: FormalQuery, fragment: Fragment, seen: Seen | None = None) -> Fo
         ask=ask,
         time=time,
         select=select,
-        negated=merged.negated if fragment.negated is None else fragment.negated,
+        negated=negated,
+        contrary=contrary and negated and ask == "whether" and somewhere,
         form=form_of(ask, merged.relation, time, merged.place, select),
     )
 
@@ -206,7 +210,8 @@ def _figures(query: FormalQuery) -> int:
 def _refers_back(term: ObjectTerm, items: tuple[Item, ...]) -> bool:
     """Whether a term has no noun of its own: the red one, anna's, the one on the shelf."""
     whose = term.owner or term.not_owner
-    described = items or term.attributes or term.without or whose or term.quantity
+    looks = term.attributes or term.without or term.other_than
+    described = items or looks or whose or term.quantity
     return term.category == ANYTHING and term.word == "thing" and bool(described)
 
 
@@ -215,7 +220,10 @@ def _is_anything(term: ObjectTerm) -> bool:
 
 
 def _described(term: ObjectTerm, change: ObjectTerm) -> ObjectTerm:
-    """Return the object with new attributes in the place of those of their kind."""
+    """Return the object with new attributes in the place of those of their kind.
+
+    What would have done as well does not after `the red one`: it is one of what was asked for.
+    """
     kinds = lexicon().attributes
     new = {kinds.get(word, word) for word in (*change.attributes, *change.without)}
     kept = tuple(word for word in term.attributes if kinds.get(word, word) not in new)
@@ -228,6 +236,8 @@ def _described(term: ObjectTerm, change: ObjectTerm) -> ObjectTerm:
         not_owner=change.not_owner or (term.not_owner if change.owner is None else None),
         quantity=change.quantity or term.quantity,
         bound=change.bound if change.quantity else term.bound,
+        or_else=change.or_else if new or change.owner or change.not_owner else term.or_else,
+        other_than=(*term.other_than, *change.other_than),
     )
 
 
@@ -237,17 +247,20 @@ def _with_items(query: FormalQuery, fragment: Fragment) -> FormalQuery:
         count = _figures(query)
         match item:
             case AtPlace():
-                query = replace(query, place=item.name, outside=False)
+                query = replace(query, place=item.name, or_places=item.others, outside=False)
             case Outside():
-                query = replace(query, place=item.name, outside=True)
+                query = replace(query, place=item.name, or_places=item.others, outside=True)
             case SideBySide():
                 query = replace(query, relation=Relation(item.kind))
             case Related():
                 objects = (*query.objects[:count], *item.group.terms)
                 relation = Relation(item.kind, item.negated)
-                query = replace(
-                    query, objects=objects, relation=relation, place=None, outside=False
-                )
+                query = replace(_nowhere(query), objects=objects, relation=relation)
             case _:
-                query = replace(query, place=None, outside=False)
+                query = _nowhere(query)
     return query
+
+
+def _nowhere(query: FormalQuery) -> FormalQuery:
+    """Return the query without its places."""
+    return replace(query, place=None, or_places=(), outside=False)

@@ -110,7 +110,8 @@ class DenialTagger(NounTagger):
             if after_noun and self._one_at(k + 1):
                 self._say_one("_EXCEPT", k + 1)
                 return True
-            if after_noun and (self._contrasted(k + 1) or self._of_anything()):
+            alone = not self.out.tags and self._kind_at(k + 1)  # after what is there: not the book
+            if after_noun and (self._contrasted(k + 1) or self._of_anything() or alone):
                 self._emit("_EXCEPT", 0, 1)
                 return True
             return self._no_kind(k)

@@ -276,7 +276,12 @@ def _without_words(reading: Reading, found: Terminals) -> Fragment | None:
 
 
 def _built(reading: Reading, found: Terminals, meaning: Meaning) -> Fragment:
-    group, items = meaning.things.group, meaning.things.items
+    from grammar.alternatives import united  # few follow-ups say `or`
+
+    whole = united(meaning if meaning.ask is not None else replace(meaning, ask="whether"))
+    if whole is None:
+        raise NotUnderstood(reading.text, 0, _WHICH)
+    group, items = whole.things.group, whole.things.items
     negated = found.tagged.negated
     if negated and items:  # not in the kitchen: elsewhere; the question is no other
         items, negated = (_denied(items[0]), *items[1:]), False
@@ -295,7 +300,7 @@ def _denied(item: Item) -> Item:
     """Return where a thing must not be: not in the kitchen, not on the table."""
     match item:
         case AtPlace():
-            return Outside(item.name)
+            return Outside(item.name, item.others)
         case Related():
             return replace(item, negated=not item.negated)
         case _:

@@ -27,6 +27,10 @@ _MINE = ("_WHERE", "BE", "SEE", "LEAVE")
 """After these `me` before a noun is said for my."""
 _AREAS = ("room", "area", "house", "place", "location", "spot")
 _EACH_OF = ("all", "every", "each")
+_BEFORE_EXCEPT = (
+    "NOUN", "ONE", "COMMA", "SIDE_BY_SIDE", "AT_PLACE", "HERE", "_WHAT", "MOVED", "MISSING", "",
+)  # fmt: skip
+"""What may stand before what is left out, which may be all that is said: besides the laptop?"""
 _ABOUT = ("around", "somewhere", "anywhere", "someplace")
 _ALL = ("everything", "all", "every", "each")
 _FLOATS: dict[str, Select] = {"last": "last", "first": "first", "usual": "usual"}
@@ -190,9 +194,7 @@ class Tagger(OpenTagger):
                     return False  # the robot vacuum is a thing
                 return said not in ("you", "u") or self._last() != "SEE"
             case "_EXCEPT":
-                before = ("NOUN", "ONE", "COMMA", "SIDE_BY_SIDE", "AT_PLACE", "HERE", "_WHAT",
-                          "MOVED", "MISSING")  # fmt: skip
-                return self._last() in before
+                return self._last() in _BEFORE_EXCEPT
             case _:
                 return True
 
