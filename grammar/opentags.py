@@ -41,7 +41,7 @@ class OpenTagger(RelationTagger):
 
     def _named_after(self, k: int) -> bool:
         """Whether the thing of a pronoun stands right after it: where are they the scissors."""
-        if self._text(self.i) not in ("it", "they") or self.it is not None:
+        if self._text(self.i) not in ("it", "they", "he", "she") or self.it is not None:
             return False
         named = self._text(k) in DETERMINERS or self._text(k) in OWNERS
         return named and self._last() == "BE"

@@ -103,7 +103,8 @@ def refuse_early(
         raise out(text, words[len(opening) - 1], _REASON, rest, lexicon)
 
 
-_LEADING = {(verb, to) for verb in ("leads", "lead", "opens") for to in ("to", "into", "onto")}
+_WHITHER = words_of("to into onto out outside outdoors upstairs downstairs")
+_LEADING = {(verb, to) for verb in ("leads", "lead", "opens") for to in _WHITHER}
 _ERASING = words_of("delete forget remove")
 _REASON = "A memory of sightings knows where and when things were seen, nothing else"
 

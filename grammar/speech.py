@@ -254,7 +254,7 @@ def _closed(words: list[Word]) -> list[Word]:
             words = words[:-1]
             continue
         count = suffix.ending(words)
-        if not count or count >= len(words) or _robotic(words):
+        if not count or count >= len(words) or _robotic(words) or _judged(words):
             break
         if words[-count].text in ("is", "was", "did", "have", "are", "were", "does") and not _tag(
             words, count
@@ -266,6 +266,12 @@ def _closed(words: list[Word]) -> list[Word]:
     if told and stated and any(_verbal(w.text) for w in words):
         return [replace(words[0], text="whether"), *words]  # the cup is on the table, isn't it
     return words
+
+
+def _judged(words: list[Word]) -> bool:
+    """Whether it is asked if a thing is right: is the clock on the wall correct."""
+    asked = words[0].text in ("is", "are", "was", "were") and words[-1].text in ("right", "correct")
+    return asked and words[-2].text != ","
 
 
 def _robotic(words: list[Word]) -> bool:

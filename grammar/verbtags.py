@@ -73,10 +73,14 @@ class VerbTagger(OwnerTagger):
             return True
         if said.startswith("should") and following not in ("i", "we", "you"):
             return False  # where should the plates go asks for advice
+        being = self.words[-1].text in ("is", "are", "was", "were")
+        if terminal in ("AUX_DO", "AUX_DID") and self._first() == "_WHERE" and being:
+            self.i += size  # where does my cup is
+            return True
         if self._has("AUX") and said in ("have", "had"):
             self.i += size
             return True
-        doer = following in ("i", "we", "one", "you") or following in OWNERS
+        doer = following in ("i", "we", "one", "you", "be") or following in OWNERS
         if terminal == "AUX_CAN" and said == "may" and self.out.tags and not doer:
             return False
         value = {"AUX_DO": "do", "AUX_DID": "did", "AUX_HAVE": "have", "AUX_CAN": "can"}[terminal]

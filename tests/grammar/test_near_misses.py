@@ -243,3 +243,39 @@ def test_spotted_is_a_pattern_before_a_noun_and_a_verb_after_it() -> None:
 def test_orders_stay_orders(text: str) -> None:
     with pytest.raises(QuestionError):
         parse(text, now=NOW)
+
+
+@pytest.mark.parametrize(
+    ("said", "plainly"),
+    [
+        ("how many jars exist in the attic", "how many jars are in the attic"),
+        ("please tell where is my jar", "where is my jar"),
+        ("where does my jar is", "where is my jar"),
+        ("where is he the cat", "where is the cat"),
+        ("where may be the jar", "where is the jar"),
+        ("my jar where is", "where is my jar"),
+        ("where find i my jar", "where do i find my jar"),
+        ("how long time was the jar on the sill", "how long was the jar on the sill"),
+    ],
+)
+def test_other_orders_of_words_are_read(said: str, plainly: str) -> None:
+    assert alike(said, plainly)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "is the clock on the wall correct",
+        "is the clock on the wall right",
+        "which door leads outside",
+        "tell the time",
+    ],
+)
+def test_what_a_tag_would_hide_is_refused(text: str) -> None:
+    with pytest.raises(OutOfScope):
+        parse(text, now=NOW)
+
+
+def test_a_tag_after_a_comma_or_a_statement_is_one() -> None:
+    assert alike("is the jar on the sill, right?", "is the jar on the sill")
+    assert alike("the jar is on the sill right", "is the jar on the sill")
