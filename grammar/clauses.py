@@ -106,11 +106,27 @@ class ClauseTagger(Cursor):
         if not had and self._text(k) not in phrases().verbs and not is_open(self._text(k)):
             return False
         self.i = k + (not had)
+        if not had and self._first() == "_WHERE" and self._text(k) not in phrases().verbs:
+            self._told_of()
         if self._text(self.i) in ("around", "about", "in", "on", "with") and self.i + 1 == len(
             self.words
         ):
             self.i += 1  # the banjo that i usually keep around
         return True
+
+    def _told_of(self) -> None:
+        """Pass over where something was done with a thing: the flask i took on the hike."""
+        found = phrases().by_first.get(self._text(self.i), ())
+        sizes = (len(parts) for parts, kind in found if self._place_said(parts, kind))
+        k = self.i + next(sizes, 0)
+        while k > self.i and (self._text(k) in DETERMINERS or self._text(k) in OWNERS):
+            k += 1
+        if k > self.i and self._open_at(k):
+            self.i = self.reader.read(self.words, k)[-1][2]
+
+    def _place_said(self, parts: tuple[str, ...], kind: str) -> bool:
+        said = [self._text(self.i + j) for j in range(len(parts))]
+        return kind.startswith("REL ") and said == [*parts]
 
     def _holds(self, k: int, *, none: bool) -> bool:
         """Read the box that has my tools as the box with them, one that has none as without."""

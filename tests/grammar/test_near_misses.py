@@ -279,3 +279,10 @@ def test_what_a_tag_would_hide_is_refused(text: str) -> None:
 def test_a_tag_after_a_comma_or_a_statement_is_one() -> None:
     assert alike("is the jar on the sill, right?", "is the jar on the sill")
     assert alike("the jar is on the sill right", "is the jar on the sill")
+
+
+def test_where_something_was_done_with_a_thing_is_not_where_it_is() -> None:
+    assert alike("where is the flask i took on the hike", "where is the flask")
+    assert alike("where is the gown i wore in the garden", "where is the gown")
+    assert parse("where is the jar i left on the sill", now=NOW).relation is not None
+    assert parse("is the book i bought on the sill", now=NOW).relation is not None
