@@ -28,8 +28,11 @@ def holds(answer: Answer, query: FormalQuery) -> bool | None:
 def other_amount_words(answer: Answer, query: FormalQuery, condition: str, last: str) -> str:
     """Return a sentence on a number that is not the one asked for: too few, or too many."""
     words = described(term_of(query), answer.unjudged)
-    few, many = counted(answer.count, words), counted(answer.least, words)
-    seen = f"{'at least ' * (answer.least < answer.count)}{many}" if answer.least else f"only {few}"
+    vague = answer.least < answer.count
+    if answer.count < (term_of(query).quantity or 0):
+        seen = f"{'at most' if vague else 'only'} {counted(answer.count, words)}"
+    else:
+        seen = f"{'at least ' * vague}{counted(answer.least, words)}"
     return f"{_opening(query, verdict=False)}I saw {seen}{condition}, {last}."
 
 

@@ -7,7 +7,7 @@ import re
 from assistant.amounts import holds
 from assistant.conditions import gathered_words
 from assistant.each import asks_for_each
-from assistant.english import listed, number_word, times
+from assistant.english import counted, listed, number_word, times
 from assistant.phrases import (
     at_place,
     heads_of,
@@ -51,7 +51,10 @@ def sureness(answer: Answer, query: FormalQuery) -> str:
     if query.ask == "where" and query.select == "last" and asks_for_each(answer, query):
         return ""  # where each is
     if query.ask == "where" and close and not gathered_words(answer, query):
-        return others_words(len({k.object_id for k in close}), said_many(query, term_of(query)))
+        number = len({k.object_id for k in close})
+        if answer.least == 1:  # all of them may be it, at another place and time
+            return f"What I saw at {counted(number, 'other place')} may be the same."
+        return others_words(number, said_many(query, term_of(query)))
     return f"{said}: {_seen(answer, query, best)}."
 
 

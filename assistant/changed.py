@@ -6,9 +6,10 @@ from dataclasses import replace
 from datetime import datetime
 
 from assistant.conditions import condition_words
-from assistant.english import counted, sentence_case, when
+from assistant.english import article, counted, is_many, sentence_case, when
 from assistant.phrases import (
     definite,
+    described,
     heads_of,
     is_room,
     kind_of,
@@ -37,7 +38,7 @@ def moved_words(answer: Answer, query: FormalQuery, now: datetime) -> str:
     for keyframe in (sure or once)[:_LISTED]:
         where = where_words(keyframe, anywhere) or "at a place that has no name"
         told.append(f"the {kind_of(keyframe)}, {where}, {when(keyframe.first, now)}")
-    number = len(sure) or answer.count
+    number = min(len(sure), max(answer.least, 1)) or answer.count
     things, condition = sentence_case(counted(number, "thing")), condition_words(answer, query)
     if query.relation is not None and condition:  # the row may be where it went
         condition = f" to or from a spot{condition}"
@@ -57,12 +58,18 @@ def moved_words(answer: Answer, query: FormalQuery, now: datetime) -> str:
 def _one_moved(keyframe: RankedKeyframe, query: FormalQuery, now: datetime) -> str:
     """Return that the one thing that was asked about was at another place when seen again."""
     term = term_of(query)
-    thing, many = definite(term, numbered(query, term)), said_many(query, term)
+    many, several = said_many(query, term), not is_many(term.word)
+    if many and several and term.owner is None:  # which cups moved: one did
+        many, thing = False, article(described(term))
+    else:
+        thing = definite(term, numbered(query, term))
     where = where_words(keyframe, query) or "at a place that has no name"
     seen = f"{where}, {when(keyframe.first, now)}"
     if keyframe.score < FAIRLY_SURE:
         return f"{sentence_case(thing)} may have moved: I saw {'them' if many else 'it'} {seen}."
-    return f"Yes. {sentence_case(thing)} had moved when I saw {'them' if many else 'it'} {seen}."
+    asked = query.text.casefold().split()[:1] not in (["when"], ["which"], ["what"], ["how"])
+    yes = "Yes. " * asked
+    return f"{yes}{sentence_case(thing)} had moved when I saw {'them' if many else 'it'} {seen}."
 
 
 def missing_words(answer: Answer, query: FormalQuery, now: datetime) -> str:

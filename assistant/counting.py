@@ -28,9 +28,11 @@ def count_words(answer: Answer, query: FormalQuery, now: datetime) -> str:
 
 
 def amount_of(least: int, most: int, words: str) -> str:
-    """Return "three cups", "at least two cups and at most four"."""
+    """Return "three cups", "at least two cups and at most four", "at most one cup"."""
     if least == most:
         return counted(most, words)
+    if least == 0:
+        return f"at most {counted(most, words)}"
     return f"at least {counted(least, words)} and at most {number_word(most)}"
 
 

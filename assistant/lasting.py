@@ -39,7 +39,8 @@ def how_long_words(answer: Answer, query: FormalQuery, now: datetime) -> str:
     spans = len(answer.stayed)
     apart = f" in {counted(spans, 'stretch')}" if spans > 1 else ""
     told = f"About {duration(seconds)}{apart}, from {_at(first, now)} to {_at(final, now)}"
-    seen = f" I had it in view for {duration(in_view)} of that." if in_view >= 1 else ""
+    seen = f" I had {_pronoun(query)} in view for {duration(in_view)} of that."
+    seen = seen if in_view >= 1 else ""
     return f"{told}: whenever I looked I saw {thing}.{seen}"
 
 

@@ -221,7 +221,9 @@ def _whether_then(answer: Answer, query: FormalQuery, at: datetime, now: datetim
         if keyframe is not None:
             there = there_words(keyframe, query)
             seen = keyframe.end if keyframe is before else keyframe.start
-            pronoun = thing if term.owner else ("some" if many else "one")
+            pronoun = "some" if many else "one"
+            if is_one(query):
+                pronoun = thing if term.owner else ("them" if many else "it")
             told.append(f"I {verb} {pronoun}{condition} {when(seen, now)}{there}.")
     return " ".join(told)
 
@@ -292,7 +294,7 @@ def _what(answer: Answer, query: FormalQuery, now: datetime) -> str:
     sure = [k for k in heads if k.score >= NOT_SURE] or heads  # the rest stands in the table
     seen = {k.object_id: kind_of(k) for k in sorted(sure, key=lambda k: -k.score)}
     seen = dict([*seen.items()][: answer.count])  # what is doubtful is listed, and not counted
-    if kinds_of_broad(answer, query):  # each has the looks that were asked of the broader word
+    if kinds_of_broad(answer, query) or term_of(query).attributes:  # each has the looks asked for
         seen = {
             name: described(term_of(query), answer.unjudged, noun=kind)
             for name, kind in seen.items()

@@ -182,7 +182,8 @@ def least_of(run: Run) -> int:
     What was seen too seldom to be confirmed may be a mistake: it is one at least where all is so.
     """
     moments = run.standing(one.moment for one in run.ranked)
-    return _least([entry for moment in moments for entry in moment.entries[: run.figures]])
+    entries = [entry for moment in moments for entry in moment.entries[: run.figures]]
+    return _least(entries) or min(len(entries), 1)
 
 
 def _least(entries: Sequence[Entry]) -> int:
@@ -190,7 +191,7 @@ def _least(entries: Sequence[Entry]) -> int:
     for entry in entries:
         if not is_tentative(entry):
             of.setdefault(entry.candidate.record.category, []).append(entry.sighting)
-    return sum(least_number(sightings) for sightings in of.values()) or min(len(entries), 1)
+    return sum(least_number(sightings) for sightings in of.values())
 
 
 def _amounts(run: Run) -> tuple[tuple[int, int], ...]:

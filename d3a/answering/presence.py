@@ -58,6 +58,7 @@ class _Alike:
         kinds = {moment.figure.candidate.record.category for moment in kept}
         of = {name: c.record.category for name, c in table.candidates.items()}
         seen = [s for s in before if of.get(s.object_id) in kinds]
+        self._unsure = {name for name, c in table.candidates.items() if c.record.tentative}
         self._shown, self._newest, self._first = rounds_of(seen), newest_of(seen), first_of(seen)
         self._of_kind: dict[str, list[str]] = {}
         for name in self._newest:
@@ -80,7 +81,8 @@ class _Alike:
     def _others(self, moment: Moment, besides: Collection[str]) -> list[str]:
         of_kind = self._of_kind[moment.figure.candidate.record.category]
         mine = moment.figure.sighting.object_id
-        return [name for name in of_kind if name != mine and name not in besides]
+        ruled_out = self._unsure.union(besides, (mine,))  # what may be a mistake doubts nothing
+        return [name for name in of_kind if name not in ruled_out]
 
 
 def _doubted(

@@ -74,14 +74,15 @@ def _is_another_number(run: Run) -> bool:
     ranked = [one for one in run.ranked if id(one.moment) in standing]
     number = len({one.moment.figure.sighting.object_id for one in ranked})
     judged = term.bound != "least" and not run.unjudged  # of four cups two may be wooden
-    surely = least_of(run) if judged else 0
+    different = least_of(run)
+    surely = different if judged else 0
     few = number < term.quantity and term.bound != "most"
     if not few and surely <= term.quantity:
         return False
     least = max(one.score for one in ranked) * LEAST_OF_BEST
     likely = [one.moment for one in ranked if one.score >= least]
     run.status, run.reason, run.ranked = "not_found", "never", []
-    run.counted, run.surely = number, 0 if few else surely
+    run.counted, run.surely = number, different
     run.otherwise = max(likely, key=lambda moment: moment.end_ms)
     run.find_landmarks()
     return True
@@ -211,11 +212,15 @@ def _unknown(run: Run, category: str, word: str) -> None:
 
 
 def _newest(table: Found, sightings: Sequence[Sighting]) -> Moment | None:
-    """Return the likely moment that is nearest to now, of each place its newest alone."""
+    """Return the likely moment that is nearest to now, of each place its newest alone.
+
+    How likely it lay in the place asked for, or stood in the relation, is no part of that.
+    """
     newest: dict[StayKey, Sighting] = {}
     for sighting in sorted(sightings, key=lambda s: (s.end_ms, s.start_ms)):
         newest[sighting.stay] = sighting
-    ordered = rank([single(table, s) for s in newest.values()], "last", spread=False)
+    anywhere = replace(table, place={}, held={})
+    ordered = rank([single(anywhere, s) for s in newest.values()], "last", spread=False)
     return ordered[0].moment if ordered else None
 
 

@@ -14,7 +14,7 @@ CASES: list[tuple[Bound, int, int, int, bool | None, str]] = [
     ("least", 2, 3, 3, True, ""),
     ("least", 2, 2, 4, True, "Yes. I saw at least two cups, then."),
     ("least", 4, 2, 4, None, "I cannot be sure: I saw at least two cups, then."),
-    ("least", 5, 2, 4, False, "No. I saw only four cups, then."),
+    ("least", 5, 2, 4, False, "No. I saw at most four cups, then."),
     ("most", 4, 2, 4, True, "Yes. I saw at least two and at most four cups, then."),
     ("most", 4, 4, 4, True, "Yes. I saw four cups, then."),
     ("most", 3, 2, 4, None, "I cannot be sure: I saw at least two and at most four cups, then."),
@@ -23,7 +23,7 @@ CASES: list[tuple[Bound, int, int, int, bool | None, str]] = [
     ("exactly", 4, 2, 4, None, "I cannot be sure: I saw at least two and at most four cups, then."),
     ("exactly", 1, 2, 4, False, "No. I saw at least two cups, then."),
     ("exactly", 1, 2, 2, False, "No. I saw two cups, then."),
-    ("exactly", 5, 2, 4, False, "No. I saw only four cups, then."),
+    ("exactly", 5, 2, 4, False, "No. I saw at most four cups, then."),
 ]
 
 

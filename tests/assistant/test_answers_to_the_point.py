@@ -256,3 +256,42 @@ def test_whether_it_is_mine_is_what_somebody_told(home: Home) -> None:
     home.seen("mine", 20, at=(1, 0, 1))
     assert told(home, "Are those keys mine?").startswith("Yes. I saw your keys")
     assert told(home, "Where are my things?") == "In the kitchen: a key."
+
+
+def test_what_was_not_there_is_told_where_it_was_seen_last_of_all(home: Home) -> None:
+    home.room("cellar", -9, -9, -2, -2)  # nearer to the kitchen, and the cup is in the hall
+    said = told(home, "Was the cup ever in the cellar?")
+    assert said.endswith("I last saw it today at 16:01, 3 hours ago, in the hall.")
+
+
+def test_too_few_are_at_most_so_many_where_some_may_be_one(home: Home) -> None:
+    home.thing("other", "cup", paint="red")
+    home.seen("other", 180, 181, at=(1, 1, 1))
+    assert told(home, "Did you see three cups?").startswith("No. I saw at most two cups, last")
+    home.seen("other", 1, 2, at=(1, 2, 1), place=1)
+    assert told(home, "Did you see three cups?").startswith("No. I saw only two cups, last")
+
+
+def test_which_things_have_a_look_are_told_with_it(home: Home) -> None:
+    assert told(home, "Which cups are red?").startswith("I saw a red cup, last today at 16:01")
+    home.thing("key", "key")
+    home.seen("key", 0, at=(1, 2, 1))
+    home.seen("key", 100, 130, at=(6, 2, 1), place=1, moved_from=(0, 0.95))
+    assert told(home, "Which keys moved?").startswith("A key had moved when I saw it in the hall")
+    assert told(home, "When did the key move?").startswith("The key had moved when I saw it in")
+
+
+def test_a_mistake_that_may_be_doubts_no_yes_about_now(home: Home) -> None:
+    home.thing("maybe", "cup", tentative=True)
+    home.seen("maybe", 300, at=(1, 1, 1))
+    assert told(home, "Is there a cup in the hall?").startswith("Yes. I last saw a cup in the hall")
+
+
+def test_one_thing_under_several_ids_is_told_as_what_may_be_the_same(home: Home) -> None:
+    home.thing("other", "cup", paint="red")
+    home.seen("other", 180, 181, at=(1, 1, 1))
+    assert told(home, "Where is the cup?").endswith(
+        "What I saw at one other place may be the same."
+    )
+    home.seen("other", 1, 2, at=(1, 2, 1), place=1)
+    assert told(home, "Where is the cup?").endswith("There is one more it could be.")
