@@ -88,22 +88,23 @@ def probability(kind: RelationKind, pairs: Pairs, parameters: Parameters) -> Flo
         return np.where(np.isnan(result), np.nan, np.clip(result, 0.0, 1.0))
 
 
-def between(first: Pairs, second: Pairs) -> Floats:
+def between(first: Pairs, second: Pairs, shared: NDArray[np.bool_]) -> Floats:
     """Return how likely a lies between b (of `first`) and c (of `second`), 0..1, (n,).
 
     By positions: from a, the two others are on opposite sides, so that the angle is obtuse: a lies
     in the ball around their middle that both are on.
-    By boxes of a frame that shows all three, where positions do not tell.
+    By boxes where positions do not tell. shared (n,): whether one frame shows all three.
     """
-    a, b, c = first.position_a, first.position_b, second.position_b
+    b, c = first.position_b - first.position_a, second.position_b - second.position_a
     length = np.linalg.norm(c - b, axis=1)
-    off = np.linalg.norm(a - (b + c) / 2, axis=1)
+    off = np.linalg.norm(b + c, axis=1) / 2
     with np.errstate(invalid="ignore", divide="ignore"):
         by_place = normal_cdf((length / 2 - off) / np.maximum(first.sigma, second.sigma))
         x_a, x_b, x_c = (box_middle(box)[:, 0] for box in (first.box_a, first.box_b, second.box_b))
         scale = 0.25 * np.abs(x_c - x_b)
         low, high = np.minimum(x_b, x_c), np.maximum(x_b, x_c)
         by_box = normal_cdf((x_a - low) / scale) * normal_cdf((high - x_a) / scale)
+        by_box = np.where(shared, by_box, np.nan)
         return np.where(np.isnan(by_place) | (length < SAME_SPOT_M), by_box, by_place)
 
 
@@ -217,9 +218,11 @@ def _under(pairs: Pairs, _: Parameters) -> Floats:
     )
     underside, top = _heights(pairs)
     spread = _upright(pairs)
-    below_middle = -rise_of(pairs)
+    below_middle, own_top = -rise_of(pairs), rise_of(pairs) + pairs.extent_a[:, 1] / 2
     on_its_floor = np.minimum(below_middle, (2 * FLOOR_SHARE - 1) * top - underside)
-    below_all = np.minimum(below_middle - top, REACH_M - (below_middle - top))
+    on_its_floor = np.minimum(on_its_floor, top - own_top)
+    # what hangs has nothing under it but what is clear of it: beside what stands, things lie level
+    below_all = np.minimum(-top - own_top, REACH_M - (below_middle - top))
     by_size = (
         footprint(pairs)
         * normal_cdf(np.where(pairs.usual_b, on_its_floor, below_all) / spread)

@@ -365,7 +365,7 @@ def _usual_grounds(
         )
     if kind == "in":
         return frozenset(c for c in categories if is_hollow_word(c, lexicon))
-    if kind in ("on", "above", "behind", "in_front_of"):  # what is on a thing is not behind it
+    if kind in ("on", "above"):
         return frozenset(
             category
             for category in categories

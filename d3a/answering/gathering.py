@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from d3a.answering.joins import HOLDS, Related
-from d3a.answering.linked import Link, ordered, pairs_of
+from d3a.answering.linked import Link, pairs_of
 from d3a.answering.moments import Entry, Found, Moment, entry_of
 from d3a.parameters import Parameters
 from d3a.store.base import LEAST_SIGMA_M, Sighting, StayKey
@@ -71,7 +71,7 @@ class Ties:
     def _add(self, a: Member, b: Member, link: Link, probability: float) -> None:
         seen = link.seen()
         for mine, theirs, pair in ((a, b, seen), (b, a, seen[::-1])):
-            tie = Tie(ordered(link), probability, (pair[0], pair[1]))
+            tie = Tie((link.start_ms, link.end_ms), probability, (pair[0], pair[1]))
             self._of.setdefault(mine, {}).setdefault(theirs, []).append(tie)
 
     def groups(self, numbers: Sequence[int]) -> Iterator[Group]:

@@ -6,24 +6,39 @@ A link whose relation is more likely than not makes a moment of its two sighting
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from math import prod
 
 import numpy as np
 
 from d3a import relations
 from d3a.answering.joins import HOLDS, Related
-from d3a.answering.linked import Link, ordered, pairs_of
+from d3a.answering.linked import Link
 from d3a.answering.moments import Found, Moment, entry_of
-from d3a.store.base import StayKey
+from d3a.answering.standing import BY_START, Standing, Timeline
+from d3a.store.base import Sighting, StayKey
+
+
+def tellings(related: Related, figure: Found, ground: Found) -> list[tuple[Link, float]]:
+    """Return each time at which a relation is told that is more likely than not, and how likely.
+
+    What stood together is told by each sighting of either at which the other was not seen.
+    """
+    standing = Standing(figure, ground)
+    out: list[tuple[Link, float]] = []
+    for link, p in zip(related.links, related.probability.tolist(), strict=True):
+        if p >= HOLDS:  # False for NaN
+            told = (link,) if link.standing is None else standing.told(link)
+            out += [(one, p) for one in told]
+    return out
 
 
 def pair_moments(related: Related, figure: Found, ground: Found) -> list[Moment]:
-    """Return a moment a link whose relation is more likely than not."""
+    """Return the moments in which the relation held."""
     out: list[Moment] = []
-    for link, p in zip(related.links, related.probability.tolist(), strict=True):
-        if p >= HOLDS:  # False for NaN
-            a, b = link.seen()
-            entries = (entry_of(figure, a), entry_of(ground, b))
-            out.append(Moment(entries, *ordered(link), relation=p))
+    for link, p in tellings(related, figure, ground):
+        a, b = link.seen()
+        entries = (entry_of(figure, a), entry_of(ground, b))
+        out.append(Moment(entries, link.start_ms, link.end_ms, relation=p))
     return out
 
 
@@ -51,35 +66,47 @@ def chain_moments(moments: Sequence[Moment], more: Sequence[Moment]) -> list[Mom
 def between_moments(
     figure: Found, grounds: Sequence[Found], found: Sequence[Related]
 ) -> list[Moment]:
-    """Return the moments in which the figure was between one thing of each ground.
+    """Return the moments in which the figure was between one thing of each ground, by start.
 
     grounds, found: one for each of the two other things; the same twice for "between the chairs".
+    It is told of what was seen of the three at once; and of three that stood at their places at one
+    time by what was seen of any then.
     """
-    first, second = found[0].links, found[-1].links
-    by_stay: dict[StayKey, list[Link]] = {}
-    for link in second:
-        by_stay.setdefault(link.figure, []).append(link)
-    both = [
-        (one, two)
-        for one in first
-        for two in by_stay.get(one.figure, [])
-        if _at_once(one, two)
-        and one.ground[0] != two.ground[0]
-        and (grounds[0] is not grounds[-1] or one.ground[0] < two.ground[0])
+    one, two = found[0], found[-1]
+    rows = _threes(one.links, two.links, same=grounds[0] is grounds[-1])
+    if not rows or one.pairs is None or two.pairs is None:
+        return []
+    left, right = (np.array(side, dtype=np.intp) for side in zip(*rows, strict=True))
+    shared = [_frame(one.links[i]) == _frame(two.links[j]) for i, j in rows]
+    held = relations.between(one.pairs.at(left), two.pairs.at(right), np.array(shared))
+    at_once = _AtOnce(figure, grounds)
+    told: list[Moment] = []
+    for standing in (False, True):
+        for (i, j), p in zip(rows, held.tolist(), strict=True):
+            both = one.links[i], two.links[j]
+            if p >= HOLDS and (both[0].standing is not None) is standing:
+                told += at_once.told(both, p) if standing else [at_once.seen(both, p)]
+    return sorted(told, key=lambda moment: (moment.start_ms, moment.ids))
+
+
+def _threes(first: Sequence[Link], second: Sequence[Link], *, same: bool) -> list[tuple[int, int]]:
+    """Return the rows of links of one figure at one time with two different things."""
+    by_stay: dict[StayKey, list[int]] = {}
+    for j, link in enumerate(second):
+        by_stay.setdefault(link.figure, []).append(j)
+    return [
+        (i, j)
+        for i, link in enumerate(first)
+        for j in by_stay.get(link.figure, [])
+        if (link.standing is None) is (second[j].standing is None)
+        and _at_once(link, second[j])
+        and link.ground[0] != second[j].ground[0]
+        and (not same or link.ground[0] < second[j].ground[0])
     ]
-    left = pairs_of([one for one, _ in both], figure, grounds[0])
-    right = pairs_of([two for _, two in both], figure, grounds[-1])
-    held = relations.between(left, right) if both else np.zeros(0)
-    out: list[Moment] = []
-    for (one, two), p in zip(both, held, strict=True):
-        if p >= HOLDS:
-            entries = (
-                entry_of(figure, one.seen()[0]),
-                entry_of(grounds[0], one.seen()[1]),
-                entry_of(grounds[-1], two.seen()[1]),
-            )
-            out.append(Moment(entries, *_common(one, two), relation=float(p)))
-    return out
+
+
+def _frame(link: Link) -> str | None:
+    return None if link.encounter is None else link.encounter.frame
 
 
 def _at_once(one: Link, two: Link) -> bool:
@@ -87,17 +114,47 @@ def _at_once(one: Link, two: Link) -> bool:
     return max(begun, start) <= min(ended, end)
 
 
-def _common(one: Link, two: Link) -> tuple[int, int]:
-    """Return the interval that is told of two links that stood at once.
+class _AtOnce:
+    """The moments of three things at one time, each time told once for the same three stays."""
 
-    Of what was seen of both; else of the later of the two, as far as both stood then.
-    """
-    start, end = max(one.start_ms, two.start_ms), min(one.end_ms, two.end_ms)
-    if start <= end:
-        return start, end
-    low, high = max(one.stood[0], two.stood[0]), min(one.stood[1], two.stood[1])
-    start, end = max(ordered(one), ordered(two))
-    return min(max(start, low), high), min(max(end, low), high)
+    def __init__(self, figure: Found, grounds: Sequence[Found]) -> None:
+        self._tables = figure, grounds[0], grounds[-1]
+        self._seen = [Timeline(table) for table in self._tables]
+        self._told: dict[tuple[StayKey, ...], list[tuple[int, int]]] = {}
+
+    def seen(self, links: tuple[Link, Link], probability: float) -> Moment:
+        """Return the moment of two links that tell what was seen at once."""
+        one, two = links
+        span = max(one.start_ms, two.start_ms), min(one.end_ms, two.end_ms)
+        self._told.setdefault((one.figure, one.ground, two.ground), []).append(span)
+        figure = min(links, key=lambda k: (k.encounter is None, k.start_ms, k.ground)).seen()[0]
+        return self._moment((figure, one.seen()[1], two.seen()[1]), span, probability)
+
+    def told(self, links: tuple[Link, Link], probability: float) -> list[Moment]:
+        """Return the moments of two links of things that stood there, but of times told already."""
+        one, two = links
+        stays = one.figure, one.ground, two.ground
+        low, high = max(one.stood[0], two.stood[0]), min(one.stood[1], two.stood[1])
+        known = self._told.setdefault(stays, [])
+        each = [*zip(self._seen, stays, strict=True)]
+        seen = [(s, of.is_asked(s)) for of, stay in each for s in of.within(stay, (low, high))]
+        out: list[Moment] = []
+        for sighting, asked in sorted(seen, key=lambda one: BY_START(one[0])):
+            span = max(sighting.start_ms, low), min(sighting.end_ms, high)
+            if any(start <= span[1] and end >= span[0] for start, end in known):
+                continue
+            known.append(span)
+            if asked:
+                told = tuple(of.nearest(stay, sighting) for of, stay in each)
+                out.append(self._moment(told, span, probability))
+        return out
+
+    def _moment(
+        self, seen: tuple[Sighting, ...], span: tuple[int, int], probability: float
+    ) -> Moment:
+        entries = zip(self._tables, seen, strict=True)
+        told = tuple(entry_of(found, sighting) for found, sighting in entries)
+        return Moment(told, *span, relation=probability)
 
 
 def without_relation(
@@ -107,7 +164,7 @@ def without_relation(
 
     Each possible ground weakens it by how likely it was the asked thing and the relation held.
     """
-    free: dict[StayKey, list[tuple[int, int, float]]] = {}
+    free: dict[StayKey, list[tuple[int, int, str, float]]] = {}
     for related, ground in zip(found, grounds, strict=True):
         for link, p in zip(related.links, related.probability, strict=True):
             if p > 0:
@@ -116,17 +173,38 @@ def without_relation(
                 for probability in candidate.attributes.values():
                     weight *= probability
                 spans = free.setdefault(link.figure, [])
-                spans.append((*link.stood, weight))
+                spans.append((*link.stood, link.ground[0], min(weight, 1.0)))
     out: list[Moment] = []
     for sighting in figure.sightings:
-        absent = 1.0
-        for start, end, weight in free.get(sighting.stay, []):
+        likeliest: dict[str, float] = {}
+        for start, end, name, weight in free.get(sighting.stay, []):
             if start <= sighting.end_ms and end >= sighting.start_ms:
-                absent *= 1.0 - min(weight, 1.0)
+                likeliest[name] = max(likeliest.get(name, 0.0), weight)
+        absent = prod(1.0 - weight for weight in likeliest.values())
         if absent >= HOLDS:
-            entry = entry_of(figure, sighting)
-            out.append(Moment((entry,), sighting.start_ms, sighting.end_ms, relation=absent))
+            out.append(_alone(figure, sighting, absent))
     return out
+
+
+def not_between(figure: Found, held: Sequence[Moment]) -> list[Moment]:
+    """Return the figure's sightings that touch none of the moments in which it was between."""
+    spans: dict[StayKey, list[Moment]] = {}
+    for moment in held:
+        spans.setdefault(moment.figure.sighting.stay, []).append(moment)
+    out: list[Moment] = []
+    for sighting in figure.sightings:
+        met = any(
+            moment.start_ms <= sighting.end_ms and moment.end_ms >= sighting.start_ms
+            for moment in spans.get(sighting.stay, ())
+        )
+        if not met:
+            out.append(_alone(figure, sighting, 1.0))
+    return out
+
+
+def _alone(figure: Found, sighting: Sighting, absent: float) -> Moment:
+    entry = entry_of(figure, sighting)
+    return Moment((entry,), sighting.start_ms, sighting.end_ms, relation=absent)
 
 
 def holders(found: Sequence[Related]) -> dict[StayKey, float]:

@@ -6,7 +6,7 @@ Two things meet in a shared frame (an encounter), or where their intervals overl
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -16,10 +16,12 @@ from d3a import relations
 from d3a.answering.carried import CONTACT_M, Lying
 from d3a.answering.linked import Link, agreed, pairs_of
 from d3a.answering.moments import Found
+from d3a.answering.pairs import Floats, Pairs
+from d3a.answering.places import holders_of
 from d3a.answering.standing import stood_together
 from d3a.model import Position
 from d3a.parameters import Parameters
-from d3a.store.base import Encounter, Sighting, StayKey
+from d3a.store.base import Encounter, Region, Sighting, StayKey
 from grammar.forms import RelationKind
 
 HOLDS = 0.5
@@ -32,8 +34,10 @@ Rows = NDArray[np.intp]
 Intervals = NDArray[np.int64]
 STANDING: frozenset[RelationKind] = frozenset({"near", "on", "under", "in", "above", "same_place"})
 """These are between two places, whoever looks; sides are the viewer's."""
-CARRIED: frozenset[RelationKind] = frozenset({"on", "under", "behind", "in_front_of"})
+CARRIED: frozenset[RelationKind] = frozenset({"on", "under", "above", "behind", "in_front_of"})
 """For these it counts what else may carry a thing, or be over it."""
+GROUNDED: tuple[RelationKind, ...] = ("on", "under", "above", "in")
+"""Of these some grounds are usual."""
 SYMMETRIC: frozenset[RelationKind] = frozenset({"together", "near", "same_place"})
 
 
@@ -43,28 +47,25 @@ def links(
     encounters: Sequence[Encounter],
     *,
     reach_m: float = REACH_M,
-    timeless: bool = False,
     once: bool = False,
 ) -> list[Link]:
-    """Return where the sightings of figure and ground meet, shared frames first.
+    """Return where the sightings of figure and ground meet: in a frame, or else at one time.
 
     reach_m: without a shared frame, things further apart than this do not meet.
-    timeless: intervals need not overlap (the same place as). once: each unordered pair once, for
-    a symmetric relation of a category with itself. Ordered by start, then by ids and places.
+    once: each unordered pair once, for a symmetric relation of a category with itself.
+    Ordered by start, then by ids and places.
     """
     shown = _spans(figure), _spans(ground)
     shared = [link for e in encounters for link in _oriented(e, *shown)]
-    met = {(link.figure, link.ground) for link in shared}
+    frames: dict[tuple[StayKey, StayKey], list[tuple[int, int]]] = {}
+    for link in shared:
+        frames.setdefault((link.figure, link.ground), []).append((link.start_ms, link.end_ms))
     apart = [
-        Link(
-            a.stay,
-            b.stay,
-            max(a.start_ms, b.start_ms),
-            min(a.end_ms, b.end_ms),
-            sightings=(a, b),
-        )
-        for a, b in _overlapping(figure, ground, reach_m, timeless=timeless)
-        if (a.stay, b.stay) not in met and a.object_id != b.object_id
+        Link(a.stay, b.stay, start, end, sightings=(a, b))
+        for a, b in _overlapping(figure, ground, reach_m)
+        for start, end in [(max(a.start_ms, b.start_ms), min(a.end_ms, b.end_ms))]
+        if a.object_id != b.object_id
+        and not ((a.stay, b.stay) in frames and _shown(frames[a.stay, b.stay], start, end))
     ]
     found = shared + apart
     if once:
@@ -135,16 +136,12 @@ def _shown(spans: Sequence[tuple[int, int]], start_ms: int, end_ms: int) -> bool
     return False
 
 
-def _overlapping(
-    figure: Found, ground: Found, reach_m: float, *, timeless: bool
-) -> list[tuple[Sighting, Sighting]]:
+def _overlapping(figure: Found, ground: Found, reach_m: float) -> list[tuple[Sighting, Sighting]]:
     """Return sightings whose intervals overlap and whose positions are within reach."""
     rows_a, place_a = _placed(figure)
     rows_b, place_b = _placed(ground)
-    span_a, span_b = _intervals(rows_a), _intervals(rows_b)
-    meeting = _everyone(len(rows_a), len(rows_b)) if timeless else _at_once(span_a, span_b)
     found: list[tuple[Sighting, Sighting]] = []
-    for i, j in meeting:
+    for i, j in _at_once(_intervals(rows_a), _intervals(rows_b)):
         apart = place_a[i] - place_b[j]
         near = np.einsum("ik,ik->i", apart, apart) <= reach_m**2
         pairs = zip(i[near].tolist(), j[near].tolist(), strict=True)
@@ -170,16 +167,8 @@ def _placed(found: Found) -> tuple[list[Sighting], NDArray[np.float64]]:
     return rows, np.array(places, dtype=np.float64).reshape(-1, 3)
 
 
-def _everyone(count_a: int, count_b: int) -> Iterator[tuple[Rows, Rows]]:
-    """Yield all pairs of rows in parts, by the first row and then by the second."""
-    step = max(1, _PART // max(count_b, 1))
-    for at in range(0, count_a, step):
-        i = np.arange(at, min(at + step, count_a))
-        yield np.repeat(i, count_b), np.tile(np.arange(count_b), len(i))
-
-
 def _at_once(span_a: Intervals, span_b: Intervals) -> Iterator[tuple[Rows, Rows]]:
-    """Yield the pairs of rows whose closed intervals (n, 2) overlap, in the order of `_everyone`.
+    """Yield the pairs of rows whose closed intervals (n, 2) overlap, by the first and the second.
 
     A sweep: of the second, sorted by start, only those can overlap that begin before the first
     ends and no longer before it begins than the longest lasts.
@@ -207,29 +196,29 @@ def _at_once(span_a: Intervals, span_b: Intervals) -> Iterator[tuple[Rows, Rows]
 
 @dataclass(frozen=True, slots=True)
 class Related:
-    """The links of a relation with how likely it held (n,), NaN where nothing tells."""
+    """The links of a relation with how likely it held (n,), NaN where nothing tells.
+
+    pairs: their geometry, a row a link, for what lies between two: it is told of two links.
+    """
 
     links: list[Link]
     probability: NDArray[np.float64]
+    pairs: Pairs | None = None
 
     @property
     def judged(self) -> bool:
         """Whether the relation could be judged for any link, or there was none to judge."""
         return len(self.links) == 0 or not bool(np.isnan(self.probability).all())
 
-    @property
-    def holds(self) -> bool:
-        """Whether the relation is more likely than not for any link."""
-        return bool((self.probability >= HOLDS).any())  # False for NaN
-
 
 @dataclass(frozen=True, slots=True)
 class Asked:
     """A relation that is asked of what was found for a figure and a ground.
 
-    once: each unordered pair once, for a symmetric relation of a category with itself. usual: the
-    categories of what is usual as a ground: things lie on tables, stand under furniture.
-    carriers: what is large and stays: what is on or under one of these is so of no other.
+    once: each unordered pair once, for a symmetric relation of a category with itself. usual: by
+    relation, the categories of what is usual as a ground: things lie on tables, stand under
+    furniture. carriers: what is large and stays: what is on or under one of these is so of no
+    other. rooms: between things in two of these is a wall, where no frame shows both.
     """
 
     kind: RelationKind
@@ -237,53 +226,104 @@ class Asked:
     ground: Found
     parameters: Parameters
     once: bool = False
-    usual: Collection[str] = ()
+    usual: Mapping[RelationKind, Collection[str]] = field(default_factory=dict)
     carriers: Found = field(default_factory=Found)
+    rooms: Sequence[Region] = ()
 
-    def met(self, encounters: Sequence[Encounter]) -> Related:
-        """Return where figure and ground meet, with how likely the relation held."""
-        return self._judged(
-            links(
-                self.figure,
-                self.ground,
-                encounters,
-                reach_m=_reach_m(self.kind, self.parameters),
-                timeless=self.kind == "same_place",
-                once=self.once,
-            )
-        )
-
-    def stood(self, met: Related) -> Related:
-        """Return what was met, and what never met but stood at its places at one time."""
+    def links(self, encounters: Sequence[Encounter]) -> list[Link]:
+        """Return where figure and ground meet, and what stood at its places at one time."""
+        reach_m = _reach_m(self.kind, self.parameters)
+        found = links(self.figure, self.ground, encounters, reach_m=reach_m, once=self.once)
         if self.kind not in STANDING | {"between"}:
-            return met
-        known = {(link.figure, link.ground) for link in met.links}
-        found = stood_together(
-            self.figure, self.ground, known, _reach_m(self.kind, self.parameters)
-        )
+            return found
+        timeless = self.kind == "same_place"
+        stood = stood_together(self.figure, self.ground, reach_m, timeless=timeless)
         if self.once:
-            found = [k for k in found if not _is_mirrored(k, self.figure, self.ground)]
-        more = self._judged(found)
-        return Related(
-            [*met.links, *more.links], np.concatenate([met.probability, more.probability])
-        )
+            stood = [k for k in stood if not _is_mirrored(k, self.figure, self.ground)]
+        return found + stood
 
-    def _judged(self, met: list[Link]) -> Related:
-        # a shared frame settles that two were together, whatever the geometry
-        told = [k for k in met if self.kind != "together" or k.encounter is None]
-        pairs = pairs_of(told, self.figure, self.ground, self.usual)
-        lying = Lying(
-            met, pairs, self.figure, self.ground, self.carriers, self.usual, self.parameters
-        )
-        if self.kind in ("on", "under"):
-            return Related(met, lying.held(self.kind))
-        held = relations.probability(self.kind, pairs, self.parameters)
+    def judged(self, found: list[Link], beside: Sequence[Encounter] = ()) -> Related:
+        """Return the links with how likely the relation held.
+
+        beside: what frames of any time show of both: neither thing moved while it was at a place,
+        so that what is told of two places is the same whenever it is asked.
+        """
+        more = _of_the_same(found, beside)
+        if self.kind in ("near", "between"):
+            found = self._in_sight(found, more)
+        match self.kind:
+            case "together":  # a shared frame settles it, whatever the geometry
+                apart = [k for k in found if k.encounter is None]
+                held = np.ones(len(found))
+                held[[k.encounter is None for k in found]] = self._of_places(apart, [])
+                return Related(found, held)
+            case "between":
+                pairs = pairs_of(found, self.figure, self.ground, beside=more)
+                near = relations.probability(self.kind, pairs, self.parameters)
+                return Related(found, near, pairs)
+            case "left_of" | "right_of" | "in_front_of" | "behind":
+                pairs = pairs_of(found, self.figure, self.ground, beside=more)
+                held = relations.probability(self.kind, pairs, self.parameters)
+                if self.kind in CARRIED:
+                    held = held * self._of_places(found, more)
+                return Related(found, held)
+            case _:
+                return Related(found, self._of_places(found, more))
+
+    def _of_places(self, found: Sequence[Link], more: Sequence[Link]) -> Floats:
+        """Return what is told of the two places of each link (n,), by all frames that show both.
+
+        Of sides: how likely neither of the two lies on the other.
+        """
+        frames = [link for link in (*found, *more) if link.encounter is not None]
+        rows = sorted(frames, key=lambda k: (k.start_ms, k.figure, k.ground))
+        known = {(link.figure, link.ground): row for row, link in reversed([*enumerate(rows)])}
+        for link in found:
+            if known.setdefault((link.figure, link.ground), len(rows)) == len(rows):
+                rows.append(Link(link.figure, link.ground, 0, 0))
+        at = np.array([known[link.figure, link.ground] for link in found], dtype=np.intp)
+        return self._told(rows)[at]
+
+    def _in_sight(self, found: list[Link], more: Sequence[Link]) -> list[Link]:
+        """Return the links of what is not parted by a wall: a frame shows both, or one room does.
+
+        What is in no room that is known may be open to any.
+        """
+        if not self.rooms:
+            return found
+        shown = {(k.figure, k.ground) for k in (*found, *more) if k.encounter is not None}
+        hidden = [(k.figure, k.ground) for k in found if (k.figure, k.ground) not in shown]
+        stays = self.figure.stays | self.ground.stays
+        asked = [stays[key] for key in sorted({key for both in hidden for key in both})]
+        holding = holders_of(self.rooms, [(stay.position, stay.site) for stay in asked])
+        named = {s.key: {r.name for r in of} for s, of in zip(asked, holding, strict=True)}
+        walled = {
+            both
+            for both in hidden
+            if all(named[key] for key in both) and named[both[0]].isdisjoint(named[both[1]])
+        }
+        return [link for link in found if (link.figure, link.ground) not in walled]
+
+    def _told(self, rows: Sequence[Link]) -> Floats:
+        usual = self.usual.get(self.kind, ())
+        pairs = pairs_of(rows, self.figure, self.ground, usual)
         if self.kind in CARRIED:
-            held = held * lying.off_each_other()
-        if self.kind == "together":
-            apart = iter(held.tolist())
-            held = np.array([next(apart) if k.encounter is None else 1.0 for k in met])
-        return Related(met, agreed(met, held) if self.kind in STANDING else held)
+            last = self.carriers, self.usual, self.parameters
+            return Lying(rows, pairs, self.figure, self.ground, *last).told(self.kind)
+        return agreed(rows, relations.probability(self.kind, pairs, self.parameters))
+
+
+def _of_the_same(found: Sequence[Link], beside: Sequence[Encounter]) -> list[Link]:
+    """Return what other frames show of the same two stays, both ways round where both are asked."""
+    asked = {(link.figure, link.ground) for link in found}
+    told = {(k.figure, k.ground, k.start_ms) for k in found if k.encounter is not None}
+    out: list[Link] = []
+    for e in beside:
+        first, second = (e.object_a, e.place_a), (e.object_b, e.place_b)
+        for one, other in ((first, second), (second, first)):
+            if (one, other) in asked and (one, other, e.start_ms) not in told:
+                out.append(Link(one, other, e.start_ms, e.end_ms, e, flipped=one is second))
+    return out
 
 
 def _reach_m(kind: RelationKind, parameters: Parameters) -> float:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Hashable, Iterable, Sequence
+from operator import attrgetter
 from typing import NamedTuple
 
 import numpy as np
@@ -26,7 +27,8 @@ class Link(NamedTuple):
 
     encounter: the shared frame, flipped where the figure is its second object; None where only
     the intervals overlap, then `sightings` are the two. standing: both were at their places from
-    then to then, though nothing was seen of both at once. A tuple: there are thousands of them.
+    then to then, though nothing was seen of both at once. Neither is known of two places alone.
+    A tuple: there are thousands of them.
     """
 
     figure: StayKey
@@ -41,7 +43,7 @@ class Link(NamedTuple):
     @property
     def stood(self) -> tuple[int, int]:
         """Return the interval in which what is told of the link was so."""
-        return self.standing or ordered(self)
+        return self.standing or (self.start_ms, self.end_ms)
 
     def seen(self) -> tuple[Sighting, Sighting]:
         """Return figure and ground as sightings, those of the shared frame where there is one."""
@@ -74,13 +76,19 @@ class Link(NamedTuple):
         return (-told[0], -told[1], -told[2], told[3]) if self.flipped else told
 
     def viewer(self) -> tuple[float, ...]:
-        """Return the camera's pose that the sides are told from, NaN where unknown."""
+        """Return the camera's pose that the sides are told from, NaN where unknown.
+
+        Of two frames the same one, whichever of the two things is asked about.
+        """
         if self.encounter is not None:
             return self.encounter.viewer or _NO_POSE
-        assert self.sightings is not None
-        return self.sightings[0].viewer or self.sightings[1].viewer or _NO_POSE
+        if self.sightings is None:
+            return _NO_POSE
+        one, other = sorted(self.sightings, key=_STAY)
+        return one.viewer or other.viewer or _NO_POSE
 
 
+_STAY = attrgetter("stay")
 _sighting = maker(Sighting)
 _NO_BOX: Box = (math.nan, math.nan, math.nan, math.nan)
 _NO_POSE = (math.nan,) * 7
@@ -108,19 +116,23 @@ def _seen(encounter: Encounter, stay: StayKey, box: Box) -> Sighting:
     )
 
 
-def ordered(link: Link) -> tuple[int, int]:
-    """Return the interval of a link; what is timeless may have its ends the other way round."""
-    start, end = link.start_ms, link.end_ms
-    return (start, end) if start <= end else (end, start)
-
-
 def pairs_of(
-    found: Sequence[Link], figure: Found, ground: Found, usual: Collection[str] = ()
+    found: Sequence[Link],
+    figure: Found,
+    ground: Found,
+    usual: Collection[str] = (),
+    *,
+    beside: Sequence[Link] = (),
 ) -> Pairs:
-    """Return the geometry of links as arrays, a row a link. usual: see `joins.relate`."""
-    stays_a = [figure.stays.get(link.figure) for link in found]
-    stays_b = [ground.stays.get(link.ground) for link in found]
-    boxes = [link.boxes() for link in found]
+    """Return the geometry of links as arrays, a row a link. usual: see `joins.Asked`.
+
+    beside: further links, of which only what their frames tell of the same two stays counts: it is
+    the same at every time at which it is asked.
+    """
+    rows = [*found, *beside]
+    stays_a = [figure.stays.get(link.figure) for link in rows]
+    stays_b = [ground.stays.get(link.ground) for link in rows]
+    boxes = [link.boxes() for link in rows]
     sigma = [math.hypot(sigma_of(a), sigma_of(b)) for a, b in zip(stays_a, stays_b, strict=True)]
     upright = [math.hypot(up_of(a), up_of(b)) for a, b in zip(stays_a, stays_b, strict=True)]
     # each site has a map of its own: another's is laid where nothing is near
@@ -131,29 +143,32 @@ def pairs_of(
         sigma=np.array(sigma, dtype=np.float64),
         box_a=_array([own for own, _ in boxes], 4),
         box_b=_array([other for _, other in boxes], 4),
-        viewer=_array([link.viewer() for link in found], 7),
-        extent_a=extents(figure, [link.figure[0] for link in found]),
-        extent_b=extents(ground, [link.ground[0] for link in found]),
+        viewer=_array([link.viewer() for link in rows], 7),
+        extent_a=extents(figure, [link.figure[0] for link in rows]),
+        extent_b=extents(ground, [link.ground[0] for link in rows]),
         sigma_up=np.array(upright, dtype=np.float64),
-        usual_b=np.array(
-            [ground.candidates[link.ground[0]].record.category in usual for link in found],
-            dtype=np.bool_,
-        ),
+        usual_b=usual_of([link.ground for link in rows], ground, usual),
     )
-    things = numbered([link.figure for link in found] + [link.ground for link in found])
-    return with_middles(placed_together(pairs, _apart(found)), things)
+    group = numbered((link.figure, link.ground) for link in rows)
+    told = with_middles(placed_together(pairs, _apart(rows, group)), group)
+    return told.at(slice(len(found))) if beside else told
 
 
-def _apart(found: Sequence[Link]) -> Floats:
+def usual_of(grounds: Sequence[StayKey], found: Found, usual: Collection[str]) -> NDArray[np.bool_]:
+    """Return which grounds are of a category that is usual as one (n,)."""
+    known = [found.candidates[name].record.category in usual for name, _ in grounds]
+    return np.array(known, dtype=np.bool_)
+
+
+def _apart(rows: Sequence[Link], group: NDArray[np.intp]) -> Floats:
     """Return what all shared frames of two stays measured between them (n, 4), see `Encounter`.
 
     Neither moved in between: the mean counts, and a link without a shared frame has it too.
     """
-    told = _array([link.apart() for link in found], 4)
+    told = _array([link.apart() for link in rows], 4)
     known = ~np.isnan(told[:, 3])
     if not known.any():
         return told
-    group = numbered((link.figure, link.ground) for link in found)
     weight = np.where(known, 1.0 / np.maximum(np.nan_to_num(told[:, 3]), LEAST_SIGMA_M) ** 2, 0.0)
     total = np.bincount(group, weight)
     with np.errstate(invalid="ignore", divide="ignore"):

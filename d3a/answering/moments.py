@@ -45,6 +45,7 @@ class Found:
     refused: list[Candidate] = field(default_factory=list)
     doubtful: frozenset[str] = frozenset()
     gone: list[Sighting] = field(default_factory=list)
+    elsewhere: list[Sighting] = field(default_factory=list)
 
     @property
     def ids(self) -> list[str]:

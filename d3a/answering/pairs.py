@@ -5,7 +5,7 @@ Relations are made of these. What is unknown of a pair is NaN, and stays so.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -65,6 +65,10 @@ class Pairs:
         """Find which way is up, which most of what is asked of pairs needs."""
         object.__setattr__(self, "up", up_axis(self.viewer))
 
+    def at(self, rows: slice | Rows) -> Pairs:
+        """Return some of the pairs, in that order."""
+        return Pairs(*(getattr(self, each.name)[rows] for each in fields(self) if each.init))
+
     def __len__(self) -> int:
         return len(self.sigma)
 
@@ -99,33 +103,38 @@ def placed_together(pairs: Pairs, apart: Floats) -> Pairs:
     )
 
 
-def with_middles(pairs: Pairs, things: Rows) -> Pairs:
+def with_middles(pairs: Pairs, group: Rows) -> Pairs:
     """Return the pairs with the things' middles: what is measured of a thing is before it.
 
-    things (2 n,): a number for each thing at one place, those of the figures and then those of the
-    grounds. It is looked at from where the viewers stand on average: what is seen from all around
-    was measured around its middle.
+    group (n,): a number for each two things at their places. They are looked at from where the
+    viewers of their shared frames stand on average: what is seen from all around was measured
+    around its middle, and what no frame shows together stays as it was measured.
     """
-    n = len(pairs)
-    if n == 0:
+    if not pairs.shared.any():
         return pairs
-    eye, axis = pairs.viewer[:, :3], pairs.up[0]
-    away = np.concatenate([pairs.position_a - eye, pairs.position_b - eye])
-    away[:, axis] = 0.0
-    far = np.sqrt(np.einsum("ik,ik->i", away, away))
-    seen = far > SAME_SPOT_M  # False for NaN
-    away = np.where(seen[:, None], away, 0.0) / np.where(seen, far, 1.0)[:, None]
-    looks = np.maximum(np.bincount(things, seen), 1.0)
-    sides = np.stack([np.bincount(things, away[:, k]) / looks for k in range(3)], axis=1)
-    width = np.concatenate([pairs.extent_a[:, 0], pairs.extent_b[:, 0]])
-    back = sides[things] * (SURFACE_SHARE * np.nan_to_num(np.minimum(width, THIN_M)))[:, None]
     line = pairs.position_a - pairs.position_b
     told = (np.einsum("ik,ik->i", line, line) >= SAME_SPOT_M**2)[:, None]
-    return replace(
-        pairs,
-        position_a=pairs.position_a + np.where(told, back[:n], 0.0),
-        position_b=pairs.position_b + np.where(told, back[n:], 0.0),
-    )
+    moved = [
+        place + np.where(told, _behind(pairs, place, extent, group), 0.0)
+        for place, extent in (
+            (pairs.position_a, pairs.extent_a),
+            (pairs.position_b, pairs.extent_b),
+        )
+    ]
+    return replace(pairs, position_a=moved[0], position_b=moved[1])
+
+
+def _behind(pairs: Pairs, place: Floats, extent: Floats, group: Rows) -> Floats:
+    """Return from what was measured of things to their middles (n, 3), metres."""
+    away = place - pairs.viewer[:, :3]
+    away[:, pairs.up[0]] = 0.0
+    far = np.sqrt(np.einsum("ik,ik->i", away, away))
+    seen = pairs.shared & (far > SAME_SPOT_M)  # False for NaN
+    away = np.where(seen[:, None], away, 0.0) / np.where(seen, far, 1.0)[:, None]
+    looks = np.maximum(np.bincount(group, seen), 1.0)
+    sides = np.stack([np.bincount(group, away[:, k]) / looks for k in range(3)], axis=1)
+    deep = SURFACE_SHARE * np.nan_to_num(np.minimum(extent[:, 0], THIN_M))
+    return np.asarray(sides[group] * deep[:, None])
 
 
 def normal_cdf(z: Floats) -> Floats:
@@ -297,8 +306,11 @@ def box_area(box: Floats) -> Floats:
     return (box[:, 2] - box[:, 0]) * (box[:, 3] - box[:, 1])
 
 
-def swapped(pairs: Pairs) -> Pairs:
-    """Return the pairs with figure and ground the other way round; what is usual is not told."""
+def swapped(pairs: Pairs, usual: NDArray[np.bool_] | None = None) -> Pairs:
+    """Return the pairs with figure and ground the other way round.
+
+    usual (n,): whether what is now the ground is of a usual kind; None: of none it is known.
+    """
     return Pairs(
         pairs.position_b,
         pairs.position_a,
@@ -309,5 +321,5 @@ def swapped(pairs: Pairs) -> Pairs:
         pairs.extent_b,
         pairs.extent_a,
         pairs.sigma_up,
-        np.zeros_like(pairs.usual_b),
+        np.zeros_like(pairs.usual_b) if usual is None else usual,
     )

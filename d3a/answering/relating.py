@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Mapping, Sequence
 from itertools import combinations_with_replacement, count
 
 from d3a.answering.bounded import find_stays_late, finds_stays_late, keep_since
@@ -11,14 +12,16 @@ from d3a.answering.joined import (
     between_moments,
     chain_moments,
     holders,
+    not_between,
     pair_moments,
     without_relation,
 )
-from d3a.answering.joins import CARRIED, SYMMETRIC, Asked, Related
-from d3a.answering.moments import Found, Moment, common_span
+from d3a.answering.joins import CARRIED, GROUNDED, HOLDS, STANDING, SYMMETRIC, Asked, Related
+from d3a.answering.linked import Link
+from d3a.answering.moments import Found, Moment, common_span, in_slice
 from d3a.answering.run import Run, milliseconds
-from d3a.answering.steps import Gather, Relate
-from d3a.store.base import Encounter
+from d3a.answering.steps import FindEdge, FindSightings, Gather, Relate
+from d3a.store.base import Encounter, Sighting, StayKey
 
 
 def relate_found(run: Run, step: Relate) -> None:
@@ -40,34 +43,52 @@ def relate_found(run: Run, step: Relate) -> None:
         return
     # each pair once is enough, but where it is asked of either whether the relation held
     once = step.kind in SYMMETRIC and step.keep == "moments" and not step.negated
-    asked = [_asked(run, step, figure, ground, once=once) for ground in grounds]
-    found = [_met(run, step, one) for one in asked]
-    if not _is_told(step, figure, grounds, found):  # what no frame shows may have stood there
-        found = [one.stood(met) for one, met in zip(asked, found, strict=True)]
+    if step.kind in STANDING | {"between"}:
+        for var, table in zip(step.vars, tables, strict=True):
+            _know_elsewhere(run, var, table)
+    found = [_related(run, step, figure, ground, once=once) for ground in grounds]
     if not all(one.judged for one in found):
         _find_all_stays(run, figure)
         run.leave_out(run.relation_words(step, [run.term(var) for var in step.vars[1:]]))
         return
     run.before_relation[step.vars[0]] = list(figure.sightings)
     if step.keep == "figure":
-        held = holders(found)
-        wanted = {
-            stay: 1 - held.get(stay, 0.0) if step.negated else held.get(stay, 0.0)
-            for stay in figure.stays
-        }
-        figure.held |= wanted
-        figure.sightings = [s for s in figure.sightings if wanted.get(s.stay, 0.0) >= 0.5]
-    elif step.negated:
-        run.moments = without_relation(figure, found, grounds)
-    elif step.kind == "between":
-        run.moments = between_moments(figure, grounds, found)
-    else:
-        run.moments = pair_moments(found[0], figure, grounds[0])
-        for ground, related in zip(grounds[1:], found[1:], strict=True):
-            more = pair_moments(related, figure, ground)
-            run.moments = chain_moments(run.moments, more)
-        if not run.moments:
-            _find_all_stays(run, figure)
+        _keep_holders(figure, holders(found), negated=step.negated)
+        return
+    moments = _moments(step, figure, grounds, found)
+    run.moments = [moment for moment in moments if _meets(step, moment)]
+    if not run.moments and not step.negated and step.kind != "between":
+        _find_all_stays(run, figure)
+
+
+def _moments(
+    step: Relate, figure: Found, grounds: Sequence[Found], found: Sequence[Related]
+) -> list[Moment]:
+    """Return when the relation held of the figure and a thing of each ground, or did not."""
+    if step.kind == "between":
+        held = between_moments(figure, grounds, found)
+        return not_between(figure, held) if step.negated else held
+    if step.negated:
+        return without_relation(figure, found, grounds)
+    moments = pair_moments(found[0], figure, grounds[0])
+    for ground, related in zip(grounds[1:], found[1:], strict=True):
+        moments = chain_moments(moments, pair_moments(related, figure, ground))
+    return moments
+
+
+def _meets(step: Relate | Gather, told: Moment | Link) -> bool:
+    """Whether what is told meets the slice: what was seen in it may have been so before alone."""
+    start, end = milliseconds(step.start), milliseconds(step.end)
+    return (end is None or told.start_ms < end) and (start is None or told.end_ms >= start)
+
+
+def _keep_holders(figure: Found, held: Mapping[StayKey, float], *, negated: bool) -> None:
+    """Keep the sightings of stays for which a relation that describes the figure ever held."""
+    wanted = {
+        stay: 1 - held.get(stay, 0.0) if negated else held.get(stay, 0.0) for stay in figure.stays
+    }
+    figure.held |= wanted
+    figure.sightings = [s for s in figure.sightings if wanted.get(s.stay, 0.0) >= HOLDS]
 
 
 def _find_all_stays(run: Run, figure: Found) -> None:
@@ -76,43 +97,75 @@ def _find_all_stays(run: Run, figure: Found) -> None:
         figure.stays = run.facts.stays_of(figure.sightings)
 
 
-def _is_told(
-    step: Relate, figure: Found, grounds: Sequence[Found], found: Sequence[Related]
-) -> bool:
-    """Return whether the relation held anywhere by what was seen at once."""
-    if step.kind == "between":
-        return bool(between_moments(figure, grounds, found))
-    return all(one.holds for one in found)
+def _know_elsewhere(run: Run, var: str, table: Found) -> None:
+    """Find where things were around the slice that their sightings were found in.
+
+    What stood at its place before and after it stood there in between; what was found and sifted
+    since, by a room or another relation, tells where things were as well.
+    """
+    sifted = (*run.before_place.get(var, ()), *run.before_relation.get(var, ()))
+    asked = {(s.stay, s.start_ms) for s in table.sightings}
+    known = {(s.stay, s.start_ms): s for s in sifted}
+    table.elsewhere = [s for name, s in known.items() if name not in asked]
+    step = next(s for s in run.steps if isinstance(s, FindSightings | FindEdge) and s.var == var)
+    if isinstance(step, FindEdge):
+        return
+    start, end = milliseconds(step.start), milliseconds(step.end)
+    newest = run.facts.last_view_ms()
+    around: list[Sighting] = []
+    if start is not None:
+        around += run.store.edges(table.ids, "last", before_ms=start)
+    if end is not None and newest is not None and end <= newest:
+        around += run.store.edges(table.ids, "first", after_ms=end)
+    around = [s for s in around if not in_slice(s, start, end)]
+    table.elsewhere += around
+    unplaced = [s for s in around if s.stay not in table.stays]
+    through = [s for s, n in Counter(s.stay for s in unplaced).items() if n > 1]
+    if through:
+        table.stays |= run.facts.stays_of([s for s in unplaced if s.stay in through])
 
 
-def _asked(run: Run, step: Relate | Gather, figure: Found, ground: Found, *, once: bool) -> Asked:
-    return Asked(
+def _related(
+    run: Run, step: Relate | Gather, figure: Found, ground: Found, *, once: bool
+) -> Related:
+    asked = Asked(
         step.kind,
         figure,
         ground,
         run.parameters,
         once=once,
-        usual=run.facts.usual_grounds(step.kind, run.lexicon),
+        usual={kind: run.facts.usual_grounds(kind, run.lexicon) for kind in GROUNDED},
         carriers=run.facts.carriers(run.lexicon) if step.kind in CARRIED else Found(),
+        rooms=run.facts.regions(),
     )
-
-
-def _met(run: Run, step: Relate | Gather, asked: Asked) -> Related:
-    figure, ground = asked.figure, asked.ground
-    start, end = milliseconds(step.start), milliseconds(step.end)
     encounters: list[Encounter] = []
     if figure.sightings and ground.sightings:
         # a shared frame belongs to a sighting of either: those outside of all are not read
         first, last = common_span(figure.sightings, ground.sightings)
         encounters = run.store.encounters(
-            object_ids=figure.ids,
-            with_ids=ground.ids,
-            start_ms=first if start is None else max(first, start),
-            end_ms=last if end is None else min(last, end - 1),
+            object_ids=figure.ids, with_ids=ground.ids, start_ms=first, end_ms=last
         )
     if finds_stays_late(run):
         find_stays_late(run, figure, ground, encounters)
-    return asked.met(encounters)
+    links = asked.links(encounters)
+    if step.kind != "between":
+        links = [link for link in links if link.standing or _meets(step, link)]
+    beside: list[Encounter] = []
+    if links and step.kind != "together" and _is_of_some_time(run):
+        beside = run.store.encounters(
+            object_ids=sorted({link.figure[0] for link in links}),
+            with_ids=sorted({link.ground[0] for link in links}),
+        )
+    return asked.judged(links, beside)
+
+
+def _is_of_some_time(run: Run) -> bool:
+    """Whether not all that was seen of things was found: the query is of a time."""
+    return any(
+        isinstance(step, FindEdge)
+        or (isinstance(step, FindSightings) and (step.start or step.end) is not None)
+        for step in run.steps
+    )
 
 
 def gather(run: Run, step: Gather) -> None:
@@ -128,8 +181,7 @@ def gather(run: Run, step: Gather) -> None:
     ties = Ties(tables)
     for one, other in combinations_with_replacement(range(len(tables)), 2):
         if one != other or step.numbers[one] > 1:
-            asked = _asked(run, step, tables[one], tables[other], once=one == other)
-            related = _met(run, step, asked)
+            related = _related(run, step, tables[one], tables[other], once=one == other)
             if not related.judged:
                 run.moments = None
                 run.leave_out("together")

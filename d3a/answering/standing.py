@@ -6,7 +6,9 @@ a thing that is seen again at its place was there in between.
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from bisect import bisect_right
+from collections.abc import Sequence
+from operator import attrgetter
 from typing import NamedTuple
 
 import numpy as np
@@ -32,32 +34,112 @@ class _Run(NamedTuple):
 
 
 def stood_together(
-    figure: Found, ground: Found, met: Collection[tuple[StayKey, StayKey]], reach_m: float
+    figure: Found, ground: Found, reach_m: float, *, timeless: bool = False
 ) -> list[Link]:
-    """Return a link of each two stays within reach whose times overlap, but of those that met.
+    """Return a link of each two stays within reach for each time that both stood at them.
 
-    It is told by the latest sighting within that time, the figure's where there is one, and by the
-    other's that is nearest in time. Sightings that were not found, of other times than those asked
-    for, tell nothing.
+    It is told by the latest sighting that was asked for within that time, the figure's where there
+    is one, and by the other's that is nearest in time; what was not asked for tells nothing.
+    timeless: they need not have stood there at one time (the same place as).
     """
-    ones, others = _runs(figure), _runs(ground)
+    ones, others = _runs(figure, timeless=timeless), _runs(ground, timeless=timeless)
     rows, columns = within_reach(_places(figure, ones), _places(ground, others), reach_m)
     spans_a, spans_b = _spans(ones), _spans(others)
     start = np.maximum(spans_a[rows, 0], spans_b[columns, 0])
     end = np.minimum(spans_a[rows, 1], spans_b[columns, 1])
+    if timeless:
+        start = np.minimum(spans_a[rows, 0], spans_b[columns, 0])
+        end = np.maximum(spans_a[rows, 1], spans_b[columns, 1])
     at_once = np.flatnonzero(start <= end)
     newest = np.argsort(-end[at_once], kind="stable")[:MOST_STOOD]
+    hidden = _hidden(figure), _hidden(ground)
     found: list[Link] = []
     for k in np.sort(at_once[newest]).tolist():
         a, b = ones[rows[k]], others[columns[k]]
-        if a.stay[0] == b.stay[0] or (a.stay, b.stay) in met:
+        if a.stay[0] == b.stay[0]:
             continue
         span = int(start[k]), int(end[k])
-        told = _told(a.seen, b.seen, span)
+        told = _told(a.seen, b.seen, span, hidden)
         if told is not None:
             (first, last), both = told
             found.append(Link(a.stay, b.stay, first, last, sightings=both, standing=span))
     return found
+
+
+class Timeline:
+    """All that is known to have been seen at each stay, whether it was asked for or not."""
+
+    def __init__(self, found: Found) -> None:
+        self._seen: dict[StayKey, list[Sighting]] = {}
+        for sighting in sorted((*found.sightings, *found.elsewhere), key=BY_START):
+            self._seen.setdefault(sighting.stay, []).append(sighting)
+        self._begins = {stay: [s.start_ms for s in seen] for stay, seen in self._seen.items()}
+        self._hidden = _hidden(found)
+
+    def is_asked(self, sighting: Sighting) -> bool:
+        """Whether the sighting was asked for."""
+        return _name(sighting) not in self._hidden
+
+    def within(self, stay: StayKey, span: tuple[int, int]) -> list[Sighting]:
+        """Return the sightings of a stay that touch a closed span, by start."""
+        return _within(self._seen[stay], span)
+
+    def nearest(self, stay: StayKey, one: Sighting) -> Sighting:
+        """Return the sighting of a stay that is nearest to one in time; the earlier of two."""
+        seen = self._seen[stay]
+        after = bisect_right(self._begins[stay], one.end_ms)
+        around = seen[max(after - 1, 0) : after + 1]
+        return min(around, key=lambda s: _gap_ms(s, one))
+
+
+class Standing:
+    """What tells of two that stood at their places at one time: each sighting of either then."""
+
+    def __init__(self, figure: Found, ground: Found) -> None:
+        self._figure, self._ground = Timeline(figure), Timeline(ground)
+
+    def told(self, link: Link) -> list[Link]:
+        """Return the link for each sighting that was asked for and is within its time, by start.
+
+        Beside it stands the other's nearest in time. What was seen of both at once has a link of
+        its own.
+        """
+        assert link.standing is not None
+        (low, high), out = link.standing, []
+        sides = (
+            (self._figure, link.figure, self._ground, link.ground, False),
+            (self._ground, link.ground, self._figure, link.figure, True),
+        )
+        for own, stay, others, other_stay, turned in sides:
+            for one in own.within(stay, link.standing):
+                other = others.nearest(other_stay, one)
+                if own.is_asked(one) and _gap_ms(one, other) > 0:
+                    begun, ended = max(one.start_ms, low), min(one.end_ms, high)
+                    both = (other, one) if turned else (one, other)
+                    out.append(link._replace(start_ms=begun, end_ms=ended, sightings=both))
+        return sorted(out, key=lambda k: (k.start_ms, k.end_ms))
+
+
+def _gap_ms(one: Sighting, other: Sighting) -> int:
+    """Return the time between two sightings, at most 0 where they overlap."""
+    return max(other.start_ms - one.end_ms, one.start_ms - other.end_ms)
+
+
+BY_START = attrgetter("start_ms", "object_id", "place")
+_Hidden = set[tuple[StayKey, int]]
+
+
+def _name(sighting: Sighting) -> tuple[StayKey, int]:
+    return sighting.stay, sighting.start_ms
+
+
+def _hidden(found: Found) -> _Hidden:
+    """Return the names of sightings that were not asked for."""
+    return {_name(s) for s in found.elsewhere}
+
+
+def _within(seen: Sequence[Sighting], span: tuple[int, int]) -> list[Sighting]:
+    return [s for s in seen if s.start_ms <= span[1] and s.end_ms >= span[0]]
 
 
 def within_reach(here: Floats, there: Floats, reach_m: float) -> tuple[Rows, Rows]:
@@ -73,15 +155,17 @@ def within_reach(here: Floats, there: Floats, reach_m: float) -> tuple[Rows, Row
     return row[near], column[near]
 
 
-def _runs(found: Found) -> list[_Run]:
+def _runs(found: Found, *, timeless: bool) -> list[_Run]:
     """Return when things were at places that are known, by id and time.
 
     From the first to the last time that a stay has, as far as the thing was not seen elsewhere.
     What was seen but once may be a mistake: of it nothing says that it stood anywhere.
+    timeless: all of a stay is one run, of whatever was seen.
     """
     of: dict[str, list[list[Sighting]]] = {}
-    known = {name for name, one in found.candidates.items() if not one.record.tentative}
-    for sighting in sorted(found.sightings, key=lambda s: (s.start_ms, s.object_id, s.place)):
+    known = {n for n, one in found.candidates.items() if timeless or not one.record.tentative}
+    every = sorted((*found.sightings, *found.elsewhere), key=_AT if timeless else BY_START)
+    for sighting in every:
         if sighting.object_id not in known:
             continue
         runs = of.setdefault(sighting.object_id, [])
@@ -97,11 +181,14 @@ def _runs(found: Found) -> list[_Run]:
             stay = found.stays.get(run[0].stay)
             if stay is None or stay.position is None:
                 continue
-            first = max([stay.first_ms, *ends[:k][-1:]])
-            last = min([stay.last_ms, *begins[k + 1 :][:1]])
+            first = stay.first_ms if timeless else max([stay.first_ms, *ends[:k][-1:]])
+            last = stay.last_ms if timeless else min([stay.last_ms, *begins[k + 1 :][:1]])
             out.append(_Run(stay.key, min(first, begins[k]), max(last, ends[k]), run))
     newest = sorted(range(len(out)), key=lambda k: -out[k].end_ms)[:MOST_RUNS]
     return [out[k] for k in sorted(newest)]
+
+
+_AT = attrgetter("object_id", "place", "start_ms")
 
 
 def _places(found: Found, runs: list[_Run]) -> Floats:
@@ -114,11 +201,17 @@ def _spans(runs: list[_Run]) -> NDArray[np.int64]:
 
 
 def _told(
-    ones: list[Sighting], others: list[Sighting], span: tuple[int, int]
+    ones: list[Sighting],
+    others: list[Sighting],
+    span: tuple[int, int],
+    hidden: tuple[_Hidden, _Hidden],
 ) -> tuple[tuple[int, int], tuple[Sighting, Sighting]] | None:
     """Return what tells that two stood together within a span: when, and a sighting of each."""
-    for seen, beside, turned in ((ones, others, False), (others, ones, True)):
-        within = [s for s in seen if s.start_ms <= span[1] and s.end_ms >= span[0]]
+    for seen, beside, unasked, turned in (
+        (ones, others, hidden[0], False),
+        (others, ones, hidden[1], True),
+    ):
+        within = [s for s in _within(seen, span) if _name(s) not in unasked]
         if within:
             last = max(within, key=lambda s: s.end_ms)
             other = min(beside, key=lambda s: (abs(s.end_ms - last.end_ms), s.start_ms))

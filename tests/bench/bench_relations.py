@@ -6,9 +6,10 @@ A world is written and ingested, and every pair of its objects is related by the
 joins. The worlds are arranged (tests/worlds/arranged.py): a simulated home has nothing beneath its
 tables and no box to put a thing into; `--plain` leaves them as they are. Ten of them hold more than
 a hundred true pairs of every relation but "in" (90), and take some two minutes of a processor.
-near, on and under are true as truth.jsonl has them; above, in, together, same place, between and
-the sides follow from the solids and the robot's true poses, which are those of the noiseless
-recording of the same seed.
+near and on are true as truth.jsonl has them; in, together, same place, between and the sides
+follow from the solids and the robot's true poses, which are those of the noiseless recording of the
+same seed. A thing is under another that truth.jsonl has it under, or that is on it or clear of its
+top within its outline; above is the inverse. What is under a roof alone has a line of its own.
 All that a question tells is judged: things that were seen once, which are told last, and mistakes
 of the detector are among them. "of known" leaves out what the store has not both confirmed, and
 `--confirmed` relates nothing else.
@@ -25,7 +26,7 @@ import argparse
 import json
 import tempfile
 from collections import defaultdict
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import closing
 from dataclasses import dataclass
 from itertools import combinations
@@ -35,7 +36,7 @@ import numpy as np
 
 from assistant.lexicon import VocabularyLexicon
 from d3a.answering.facts import Facts
-from d3a.answering.joins import HOLDS, SYMMETRIC, Asked
+from d3a.answering.joins import GROUNDED, HOLDS, SYMMETRIC, Asked
 from d3a.answering.linked import Link, pairs_of
 from d3a.answering.match import Candidate
 from d3a.answering.moments import Found
@@ -56,6 +57,7 @@ GOALS = {"noiseless": 0.9, "nominal": 0.75}
 GIVEN: tuple[RelationKind, ...] = ("near", "on", "under")
 DERIVED: tuple[RelationKind, ...] = ("above", "in", "together", "same_place")
 SIDES: tuple[RelationKind, ...] = ("left_of", "right_of", "in_front_of", "behind")
+ROOFED = "  by a roof"
 EVEN_M = 0.1
 TOUCHING_M = 0.02
 """Rounding of the truth: a thing stands on a top that is this far off."""
@@ -163,6 +165,23 @@ class World:
         if one.bottom > other.top + TOUCHING_M and self._is_by_the_border(a, b):
             return None
         return self._over(a, b) and one.bottom >= other.top - TOUCHING_M
+
+    def beneath(self, a: Stay, b: Stay) -> bool | None:
+        """Return whether a is under b: beneath its legs, or with b on or over it."""
+        parts = (self.given("under", a, b), self.given("on", b, a), self.derived("above", b, a))
+        return True if any(parts) else None if None in parts else False
+
+    def true(self, kind: str, a: Stay, b: Stay) -> bool | None:
+        """Return whether a relation of two stays holds, None where nobody could say."""
+        if kind == "under":
+            return self.beneath(a, b)
+        if kind == "above":
+            return self.beneath(b, a)
+        return self.given(kind, a, b) if kind in GIVEN else self.derived(kind, a, b)
+
+    def roofed(self, a: Stay, b: Stay) -> bool | None:
+        """Return whether a is beneath the legs of b; what else is under it is none of these."""
+        return self.given("under", a, b) or None
 
     def _is_by_the_border(self, a: Stay, b: Stay) -> bool:
         """Return whether the middle of a is close to the border of b's outline, seen from above."""
@@ -274,10 +293,12 @@ def everything(store: Store, *, confirmed: bool) -> Found:
 
 def judged(
     world: World, store: Store, parameters: Parameters, *, confirmed: bool
-) -> Iterator[tuple[RelationKind, Tally]]:
-    """Yield each relation with its tally."""
+) -> Iterator[tuple[str, Tally]]:
+    """Yield each relation with its tally, and of "under" what is so by a roof alone."""
     found = everything(store, confirmed=confirmed)
-    carriers = Facts(store).carriers(VocabularyLexicon())
+    facts, lexicon = Facts(store), VocabularyLexicon()
+    carriers = facts.carriers(lexicon)
+    usual = {kind: facts.usual_grounds(kind, lexicon) for kind in GROUNDED}
     encounters = store.encounters()
     known = {name for name, one in found.candidates.items() if not one.record.tentative}
     sure = {
@@ -285,9 +306,8 @@ def judged(
     }
     for kind in (*GIVEN, *DERIVED, *SIDES):
         once = kind in SYMMETRIC
-        usual = Facts(store).usual_grounds(kind, VocabularyLexicon())
         asked = Asked(kind, found, found, parameters, once=once, usual=usual, carriers=carriers)
-        related = asked.stood(asked.met(encounters))
+        related = asked.judged(asked.links(encounters))
         pairs = [
             (link, bool(p >= HOLDS))
             for link, p in zip(related.links, related.probability, strict=True)
@@ -296,6 +316,8 @@ def judged(
             yield kind, _sides(world, kind, pairs)
         else:
             yield kind, _stays(world, kind, pairs, sure)
+        if kind == "under":
+            yield ROOFED, _stays(world, ROOFED, pairs, sure)
     yield "between", _between(world, found, encounters, parameters)
 
 
@@ -304,7 +326,7 @@ def _between(
 ) -> Tally:
     """Judge every three that one keyframe shows, the two others in either order once."""
     by_frame: dict[tuple[StayKey, str], list[Link]] = defaultdict(list)
-    for link in Asked("between", found, found, parameters).met(encounters).links:
+    for link in Asked("between", found, found, parameters).links(encounters):
         if link.encounter is not None:
             by_frame[link.figure, link.encounter.frame].append(link)
     threes = [
@@ -313,9 +335,10 @@ def _between(
         for one, two in combinations(links, 2)
         if one.ground[0] != two.ground[0]
     ]
-    sides = (pairs_of(list(links), found, found) for links in zip(*threes, strict=True))
+    left, right = (pairs_of(list(links), found, found) for links in zip(*threes, strict=True))
     tally = Tally()
-    for (one, two), p in zip(threes, between(*sides), strict=True):
+    shared = np.ones(len(threes), dtype=np.bool_)
+    for (one, two), p in zip(threes, between(left, right, shared), strict=True):
         (a, b, _), (_, c, _) = stays_of(world, one), stays_of(world, two)
         if a is None or b is None or c is None or len({a[0], b[0], c[0]}) < 3:
             continue
@@ -339,7 +362,7 @@ def _sides(world: World, kind: RelationKind, pairs: list[tuple[Link, bool]]) -> 
 
 def _stays(
     world: World,
-    kind: RelationKind,
+    kind: str,
     pairs: list[tuple[Link, bool]],
     confirmed: set[Stay | None],
 ) -> Tally:
@@ -355,11 +378,11 @@ def _stays(
             said.add((a, b))
     if kind in SYMMETRIC:
         said |= {(b, a) for a, b in said}
-    true_of: Callable[[str, Stay, Stay], bool | None]
-    true_of = world.given if kind in GIVEN else world.derived
     tally = Tally(wrong=len(mistaken) * (2 if kind in SYMMETRIC else 1))
+    if kind == ROOFED:  # of these the recall counts alone
+        tally.wrong = 0
     for pair in sorted(said | world.together):
-        true = true_of(kind, *pair)
+        true = world.roofed(*pair) if kind == ROOFED else world.true(kind, *pair)
         if true is not None:
             _count(tally, said=pair in said, true=true)
             tally.unknown += true and pair not in said and not confirmed.issuperset(pair)
@@ -381,7 +404,7 @@ def main() -> None:
     options.add_argument("--plain", action="store_true", help="the seeds' worlds as they are")
     options.add_argument("--confirmed", action="store_true", help="without what was seen once")
     given = options.parse_args()
-    total: dict[tuple[str, RelationKind], Tally] = defaultdict(Tally)
+    total: dict[tuple[str, str], Tally] = defaultdict(Tally)
     for seed in given.seeds:
         with tempfile.TemporaryDirectory() as folder:
             for condition, kind, tally in measured(
@@ -401,7 +424,7 @@ def main() -> None:
 
 def measured(
     folder: Path, hours: float, seed: int, conditions: list[str], plain: bool, confirmed: bool
-) -> Iterator[tuple[str, RelationKind, Tally]]:
+) -> Iterator[tuple[str, str, Tally]]:
     """Yield the tallies of a seed's world under each condition."""
     still = folder / "true"
     change = None if plain else arranged

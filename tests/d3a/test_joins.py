@@ -42,22 +42,18 @@ def apart_m(a: Sighting, b: Sighting, one: Found, other: Found) -> float:
 
 
 @pytest.mark.parametrize("part", [1, 5, 4_000_000])
-@pytest.mark.parametrize("timeless", [False, True])
 @given(figures=rows, grounds=rows)
-def test_they_meet_as_a_loop_over_all_pairs_says(
-    figures: Rows, grounds: Rows, part: int, timeless: bool
-) -> None:
+def test_they_meet_as_a_loop_over_all_pairs_says(figures: Rows, grounds: Rows, part: int) -> None:
     one, other = found_of("a", figures), found_of("b", grounds)
     want = sorted(
         (max(a.start_ms, b.start_ms), a.stay, b.stay)
         for a in one.sightings
         for b in other.sightings
-        if apart_m(a, b, one, other) <= 1.0
-        and (timeless or (a.start_ms <= b.end_ms and b.start_ms <= a.end_ms))
+        if apart_m(a, b, one, other) <= 1.0 and a.start_ms <= b.end_ms and b.start_ms <= a.end_ms
     )
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(joins, "_PART", part)
-        met = links(one, other, (), reach_m=1.0, timeless=timeless)
+        met = links(one, other, (), reach_m=1.0)
     assert [key_of(link.start_ms, link.figure, link.ground) for link in met] == want
 
 

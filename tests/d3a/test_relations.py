@@ -142,11 +142,11 @@ def test_between_by_places_and_by_boxes() -> None:
         ((3.0, 0.0, 1.0), False),
         ((1.0, 2.5, 1.0), False),
     ):
-        assert bool(between(pair(a, b), pair(a, c))[0] > 0.5) is expected
+        assert bool(between(pair(a, b), pair(a, c), ONE)[0] > 0.5) is expected
     left, right = (0.0, 0.0, 10.0, 10.0), (100.0, 0.0, 110.0, 10.0)
     for x, expected in ((50.0, True), (150.0, False)):
         box = (x, 0.0, x + 10, 10.0)
-        p = between(pair(box_a=box, box_b=left), pair(box_a=box, box_b=right))
+        p = between(pair(box_a=box, box_b=left), pair(box_a=box, box_b=right), ONE)
         assert bool(p[0] > 0.5) is expected
 
 
@@ -164,6 +164,7 @@ def test_normal_cdf() -> None:
     assert np.allclose(normal_cdf(z), true, atol=1e-7)
 
 
+ONE = np.ones(1, dtype=np.bool_)
 numbers = st.floats(-20, 20)
 points = st.tuples(numbers, numbers, numbers) | st.just(NAN3)
 boxes = st.tuples(st.floats(0, 500), st.floats(0, 500), st.floats(1, 300), st.floats(1, 300)).map(
@@ -240,6 +241,16 @@ HIGH_TABLE, FRIDGE = (1.0, 1.1), (0.8, 1.8)
         ("under", (2.0, 0.0, 0.05), (2.0, 0.0, 0.45), CUP, (0.25, 0.1), False, False),  # no roof
         ("under", (2.0, 1.0, 0.1), (2.0, 0.0, 0.4), CUP, CHAIR, True, False),  # beside it
         ("under", (1.0, 0.0, 0.1), (2.0, 0.0, 0.45), CUP, COUCH, True, False),  # before it
+        ("under", (2.0, 0.8, 0.47), (2.0, 0.0, 0.5), CHAIR, (1.3, 0.7), True, False),  # its back
+        (
+            "under",
+            (2.3, 0.0, 0.42),
+            (2.0, 0.0, 0.7),
+            (0.2, 0.05),
+            (1.0, 0.6),
+            False,
+            False,
+        ),  # level
         ("in", (2.0, 0.0, 0.9), (2.0, 0.0, 0.35), (0.5, 0.5), (1.5, 0.8), True, False),  # on top
     ],
 )
@@ -325,4 +336,6 @@ def test_what_another_hides_in_part_is_still_behind_it() -> None:
 def test_between_keeps_to_the_line_of_close_things() -> None:
     b, c = (0.0, 0.0, 1.0), (0.4, 0.0, 1.0)
     for a, expected in (((0.2, 0.0, 1.0), True), ((0.2, 0.45, 1.0), False)):
-        assert bool(between(pair(a, b, sigma=0.05), pair(a, c, sigma=0.05))[0] > 0.5) is expected
+        assert (
+            bool(between(pair(a, b, sigma=0.05), pair(a, c, sigma=0.05), ONE)[0] > 0.5) is expected
+        )

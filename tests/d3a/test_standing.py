@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -19,8 +20,8 @@ from d3a.execute import execute
 from d3a.parameters import DEFAULT
 from d3a.plan import plan
 from d3a.store.base import ObjectRecord, Sighting, StayRecord
-from grammar.forms import FormalQuery, ObjectTerm, Relation, RelationKind
-from tests.worlds.made import NOW, Home, Words
+from grammar.forms import FormalQuery, ObjectTerm, Relation, RelationKind, TimeSlice
+from tests.worlds.made import NOW, Home, Words, at
 from tests.worlds.oracle import OracleStore
 
 BOX = (0.0, 0.0, 1.0, 1.0)
@@ -42,40 +43,39 @@ def found(name: str, seen: Seen, *, far: float = 0.0) -> Found:
 
 def test_things_seen_by_turns_stood_together_and_are_told_as_seen_last() -> None:
     couch, tv = found("couch", [(0, 10), (0, 30)]), found("tv", [(0, 20), (0, 40)])
-    (link,) = stood_together(couch, tv, (), 1.0)
+    (link,) = stood_together(couch, tv, 1.0)
     assert (link.figure, link.ground, link.standing) == (("couch", 0), ("tv", 0), (20, 30))
     assert (link.start_ms, link.end_ms) == (30, 30)
     assert [s.start_ms for s in link.seen()] == [30, 20]
-    assert not stood_together(couch, tv, {(("couch", 0), ("tv", 0))}, 1.0)
-    assert not stood_together(couch, found("tv", [(0, 20), (0, 40)], far=1.5), (), 1.0)
-    assert not stood_together(couch, couch, (), 1.0)  # nothing stands beside itself
+    assert not stood_together(couch, found("tv", [(0, 20), (0, 40)], far=1.5), 1.0)
+    assert not stood_together(couch, couch, 1.0)  # nothing stands beside itself
 
 
 def test_the_other_s_sighting_tells_where_the_figure_was_seen_only_before_and_after() -> None:
-    (link,) = stood_together(found("a", [(0, 10), (0, 50)]), found("b", [(0, 30)]), (), 1.0)
+    (link,) = stood_together(found("a", [(0, 10), (0, 50)]), found("b", [(0, 30)]), 1.0)
     assert (link.start_ms, [s.start_ms for s in link.seen()]) == (30, [10, 30])
 
 
 def test_what_was_elsewhere_in_between_did_not_stand_there() -> None:
     tv = found("tv", [(0, 25)])
-    assert stood_together(found("cup", [(0, 10), (0, 30)]), tv, (), 0.5)
-    assert not stood_together(found("cup", [(0, 10), (1, 20), (1, 28), (0, 30)]), tv, (), 0.5)
+    assert stood_together(found("cup", [(0, 10), (0, 30)]), tv, 0.5)
+    assert not stood_together(found("cup", [(0, 10), (1, 20), (1, 28), (0, 30)]), tv, 0.5)
 
 
 def test_what_was_seen_but_once_stands_nowhere() -> None:
     tv, once = found("tv", [(0, 10), (0, 30)]), found("cup", [(0, 20)])
-    assert stood_together(once, tv, (), 1.0)
+    assert stood_together(once, tv, 1.0)
     once.candidates["cup"] = Candidate(ObjectRecord("cup", "cup", 1.0, 0, 9, tentative=True), 1.0)
-    assert not stood_together(once, tv, (), 1.0)
+    assert not stood_together(once, tv, 1.0)
 
 
 def test_of_what_is_much_the_newest_counts(monkeypatch: pytest.MonkeyPatch) -> None:
     moving = found("cup", [(k, k) for k in range(8)])
     shelf = found("shelf", [(0, 0), (0, 99)])
     monkeypatch.setattr(standing, "MOST_RUNS", 5)
-    assert [k.figure[1] for k in stood_together(moving, shelf, (), 9.0)] == [3, 4, 5, 6, 7]
+    assert [k.figure[1] for k in stood_together(moving, shelf, 9.0)] == [3, 4, 5, 6, 7]
     monkeypatch.setattr(standing, "MOST_STOOD", 2)
-    assert [k.figure[1] for k in stood_together(moving, shelf, (), 9.0)] == [6, 7]
+    assert [k.figure[1] for k in stood_together(moving, shelf, 9.0)] == [6, 7]
 
 
 places = st.lists(st.tuples(*[st.integers(0, 6)] * 3), max_size=9)
@@ -119,9 +119,9 @@ def asked(kind: RelationKind, *words: str, negated: bool = False) -> FormalQuery
 @pytest.mark.parametrize(
     ("query", "told"),
     [
-        (asked("between", "cup", "lamp", "book"), ["c", "l", "b"]),
+        (asked("between", "cup", "lamp", "book"), ["c", "l", "b"] * 2),
         (asked("between", "lamp", "cup", "book"), []),
-        (asked("near", "cup", "lamp"), ["c", "l"]),
+        (asked("near", "cup", "lamp"), ["c", "l"] * 2),
         (asked("near", "book", "lamp"), []),
         (asked("near", "cup", "lamp", negated=True), ["c"]),  # when the lamp was seen no more
         (asked("near", "book", "lamp", negated=True), ["b", "b"]),
@@ -135,11 +135,43 @@ def test_what_no_frame_shows_is_judged_by_where_things_stood(
     assert [k.object_id for k in answer.keyframes] == told
 
 
-def test_what_stands_between_is_told_of_a_time_when_all_stood() -> None:
+def test_what_stands_between_is_told_by_what_was_seen_of_any_while_all_stood() -> None:
     cup = found("cup", [(1, 5), (1, 65)])
     lamp, book = found("lamp", [(0, 0), (0, 60)]), found("book", [(2, 10), (2, 70)])
     related = [Asked("between", cup, each, DEFAULT) for each in (lamp, book)]
-    met = [each.stood(each.met(())) for each in related]
-    (moment,) = between_moments(cup, [lamp, book], met)
-    assert (moment.start_ms, moment.end_ms) == (60, 60)
-    assert [entry.sighting.start_ms for entry in moment.entries] == [5, 0, 70]
+    met = [each.judged(each.links(())) for each in related]
+    moments = between_moments(cup, [lamp, book], met)
+    assert [(moment.start_ms, moment.end_ms) for moment in moments] == [(10, 10), (60, 60)]
+    told = [[entry.sighting.start_ms for entry in moment.entries] for moment in moments]
+    assert told == [[5, 0, 10], [65, 60, 70]]
+
+
+def test_each_time_that_either_is_seen_while_both_stand_is_told() -> None:
+    home = by_turns()
+    home.seen("c", 30, at=(1.0, 0, 0))
+    store = home.into(OracleStore())
+    query = asked("near", "cup", "lamp")
+    whole = execute(plan(query), store, Words(), now=NOW, limit=50, parameters=DEFAULT)
+    shown = {k.frame for k in whole.keyframes if k.object_id == "c"}
+    assert shown == {"c-0-5", "c-0-30", "c-0-65"}
+    time = TimeSlice(at(25), at(35))  # the lamp was seen before and after
+    within = replace(query, time=time)
+    answer = execute(plan(within), store, Words(), now=NOW, limit=50, parameters=DEFAULT)
+    assert [k.frame for k in answer.keyframes] == ["c-0-30", "l-0-0"]
+
+
+def test_a_wall_parts_what_no_frame_shows_together() -> None:
+    home = by_turns()
+    home.room("kitchen", -1.0, -1.0, 0.5, 1.0)
+    home.room("hall", 0.5, -1.0, 3.0, 1.0)
+    query = asked("near", "cup", "lamp")
+    apart = execute(
+        plan(query), home.into(OracleStore()), Words(), now=NOW, limit=50, parameters=DEFAULT
+    )
+    assert apart.status == "not_found"
+    home.seen("l", 5)
+    home.met("c", "l", 5)
+    shown = execute(
+        plan(query), home.into(OracleStore()), Words(), now=NOW, limit=50, parameters=DEFAULT
+    )
+    assert shown.status == "found"
