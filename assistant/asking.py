@@ -24,10 +24,11 @@ from assistant.whose import whose_words
 from d3a.answer import Answer, Status
 from d3a.answering.conclude import within
 from d3a.answering.facts import Facts
+from d3a.answering.points import asks_where_all_is
 from d3a.execute import execute
 from d3a.model import BadInput, Json
 from d3a.parameters import Parameters
-from d3a.plan import Plan, Precision, asks_where_all_is
+from d3a.plan import Plan, Precision
 from d3a.store.base import FORGOTTEN, NativeQuery, Store, StoreError
 from grammar import StoreWords, parse, vocabulary
 from grammar.errors import NotUnderstood, OutOfScope, QuestionError

@@ -54,7 +54,7 @@ from assistant.phrases import (
     where_words,
 )
 from assistant.refusals import looking_into, refusal_words
-from assistant.tense import chooses_a_sighting
+from assistant.tense import chooses_a_sighting, stood_then
 from assistant.usually import often_words, usual_verdict, usual_words
 from assistant.wording import FAIRLY_SURE, NOT_SURE
 from d3a.answer import Answer, RankedKeyframe
@@ -160,9 +160,10 @@ def _where(answer: Answer, query: FormalQuery, now: datetime) -> str:
     if query.relation is None and len(query.objects) > 1:
         return _where_each(answer, query, now)
     words = _the_thing(answer, query)
-    if query.select == "last" and asks_for_each(answer, query):
+    since = stood_then(query)
+    if query.select == "last" and not since and asks_for_each(answer, query):
         return where_each_is(answer, query, _the_thing(answer, query), now)
-    where, last = where_words(best, query), "last " if query.select == "last" else ""
+    where, last = where_words(best, query), "last " if query.select == "last" or since else ""
     first = "first " if query.select == "first" else ""
     many = said_many(query, term)
     gone = gone_words(best, now, many=many, leads=True) if query.select == "last" else ""
@@ -175,7 +176,7 @@ def _where(answer: Answer, query: FormalQuery, now: datetime) -> str:
         blank = "" if known else f", but {nowhere_words(best)}"
         told = f"I {last}{first}saw {words} {seen_when(best, now)}{blank}."
     others = places_of(likely_of(answer)) - 1
-    if others and query.select == "all":
+    if others and query.select == "all" and not since:
         told += f" I also saw {'one' if others == 1 else 'such things'} in "
         told += f"{counted(others, 'other place')}."
     return f"{gone} {told}".strip()
@@ -280,7 +281,9 @@ def _the_thing(answer: Answer, query: FormalQuery) -> str:
     """Return what is told of, with where it was: "the cup on the table", "two cups together"."""
     words = gathered_words(answer, query)
     words = words or definite(term_of(query), found_words(answer, query))
-    return words + condition_words(answer, query)
+    was = (" that were" if said_many(query, term_of(query)) else " that was") * stood_then(query)
+    condition = condition_words(answer, query)
+    return words + (was if condition else "") + condition
 
 
 def _what(answer: Answer, query: FormalQuery, now: datetime) -> str:

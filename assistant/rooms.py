@@ -11,7 +11,7 @@ from assistant.counting import amount_of
 from assistant.english import article, counted, listed, sentence_case
 from assistant.phrases import at_place, described, heads_of, is_room, kind_of, term_of
 from d3a.answer import Answer, RankedKeyframe
-from d3a.plan import asks_where_all_is
+from d3a.answering.points import asks_where_all_is
 from d3a.store.base import Region
 from grammar.forms import FormalQuery
 

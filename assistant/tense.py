@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from itertools import pairwise
 
@@ -10,13 +11,14 @@ from d3a.plan import Lasting, Plan, Precision, plan
 from grammar.forms import FormalQuery
 
 _IS = frozenset({"is", "are", "isn't", "aren't", "whats", "theres"})
-_ASKING = frozenset({"what", "that", "there", "which"})
+_ASKING = frozenset({"what", "that", "there", "which", "where"})
 _WAS = frozenset(
     {"was", "were", "wasn't", "weren't", "did", "didn't", "had", "has", "have", "hasn't", "haven't"}
     | {"been", "saw", "seen", "left", "put", "ever"}
 )
 
 
+_WHICH_WAS = re.compile(r"\b(that|which) (was|were|lay|stood|had been|used to be)\b")
 _SEEING = frozenset({"see", "saw", "seen", "view", "watch", "watched", "look", "looked"})
 _HAS = frozenset({"has", "have", "hasn't", "haven't"})
 _NOW = frozenset({"now", "currently", "presently"})
@@ -33,6 +35,7 @@ def planned(query: FormalQuery, parameters: Parameters, precision: Precision | N
         precision=precision,
         sighting=chooses_a_sighting(query),
         lasting=lasting(query),
+        since_then=stood_then(query),
     )
 
 
@@ -60,6 +63,14 @@ def lasting(query: FormalQuery) -> Lasting | None:
         return None
     still = "been" in words and any(word in _HAS for word in words)
     return "newest" if (still or _is_present(query.text)) and query.time is None else "all"
+
+
+def stood_then(query: FormalQuery) -> bool:
+    """Whether it is asked where that is now which was somewhere: the book that was on the bed."""
+    told = query.relation is not None and not query.relation.negated and not query.negated
+    if query.ask != "where" or not told or not _is_present(query.text.partition(" that ")[0]):
+        return False
+    return _WHICH_WAS.search(query.text.casefold()) is not None
 
 
 def as_of_now(query: FormalQuery) -> FormalQuery:

@@ -94,6 +94,8 @@ class RankedKeyframe:
 class Answer:
     """What is printed, batched and shown: a sentence, ranked keyframes, and what led to them.
 
+    status: whether any sighting is what was described, and not the yes or no that is told: "is
+    there no tv here" is not_found where that is right, as "is there a tv here" is then.
     count: distinct objects that match, before the limit. value: the number asked for (objects,
     seconds, sightings). otherwise: the nearest true keyframe outside of the asked slice or place.
     perhaps: for a no that is not sure, what may be it after all, the likeliest first; then

@@ -43,6 +43,7 @@ from d3a.plan import (
     FindEdge,
     FindLandmarks,
     FindLaterNames,
+    FindNow,
     FindObjects,
     FindSightings,
     FindStays,
@@ -130,6 +131,8 @@ def _take(run: Run, step: Step) -> None:
             gather(run, step)
         case Unite():
             run.leave_out(run.relation_words(step, [run.term(var) for var in step.vars[1:]]))
+        case FindNow():
+            _find_now(run, step)
         case FindStretches():
             run.stretches = stretches(run, step.var)
         case KeepPresent():
@@ -343,6 +346,18 @@ def _find_later_names(run: Run, step: FindLaterNames) -> None:
     later_names(run.facts, entry, found, run.parameters)
     if len(found.sightings) > before:
         _rank(run, run.rank_step)
+
+
+def _find_now(run: Run, step: FindNow) -> None:
+    """Find the newest sighting of each object of the moments, in place of these."""
+    table = run.found[step.var]
+    ids = {moment.figure.sighting.object_id for moment in run.moments or ()}
+    if run.moments is None or not ids:
+        return
+    table.candidates = {name: c for name, c in table.candidates.items() if name in ids}
+    table.sightings = run.store.edges(table.ids, "last")
+    table.stays |= run.facts.stays_of(table.sightings)
+    run.moments = None
 
 
 def _cover(run: Run, step: Cover) -> None:

@@ -12,7 +12,7 @@ from dataclasses import dataclass, fields, is_dataclass, replace
 from datetime import datetime
 from typing import Any
 
-from d3a.answering.points import edge_of, looked_at
+from d3a.answering.points import asks_where_all_is, edge_of, looked_at
 from d3a.answering.steps import (
     Cover,
     DropGone,
@@ -22,6 +22,7 @@ from d3a.answering.steps import (
     FindEdge,
     FindLandmarks,
     FindLaterNames,
+    FindNow,
     FindObjects,
     FindSightings,
     FindStays,
@@ -62,6 +63,7 @@ __all__ = [
     "FindEdge",
     "FindLandmarks",
     "FindLaterNames",
+    "FindNow",
     "FindObjects",
     "FindSightings",
     "FindStays",
@@ -112,14 +114,15 @@ def plan(
     precision: Precision | None = None,
     sighting: bool = False,
     lasting: Lasting | None = None,
+    since_then: bool = False,
 ) -> Plan:
     """Return the plan of a query. Pure: equal queries give equal plans.
 
     precision forces a rung of the matching ladder. sighting: `last` chooses a sighting; else what
     was last somewhere is what is there now. lasting: a thing's time at a place is asked for, and
-    not the time it was in view. parameters.profile "paper" answers “together”
-    as the paper does, by the union of what was found for each object; other relations are
-    geometry in both profiles.
+    not the time it was in view. since_then: where that is now which once stood so.
+    parameters.profile "paper" answers “together” as the paper does, by the union of what was
+    found for each object; other relations are geometry in both profiles.
     """
     if query.select == "usual" and query.ask == "when":  # its times, not its places by their share
         all_of_it = replace(query, select="all")
@@ -148,6 +151,8 @@ def plan(
         steps.append(unite if united else _relate(query, names, negated))
     elif numbers_together(query):
         steps.append(_gather(query, names, polarity))
+    if since_then:
+        steps.append(FindNow(var))
     if lasting is not None:
         steps.append(FindStretches(var, lasting == "newest"))
     present = (_asks_for_the_present(query) and not sighting) or lasting == "newest"
@@ -179,13 +184,6 @@ def _asks_for_the_present(query: FormalQuery) -> bool:
     number = bool(query.objects) and query.objects[0].quantity is not None
     asked = asked or (query.ask == "where" and number)  # two cups on the table: those there now
     return query.select == "last" and asked and somewhere and query.time is None
-
-
-def asks_where_all_is(query: FormalQuery) -> bool:
-    """Whether it is asked where everything is now, in a place or anywhere."""
-    category = query.objects[0].category if query.objects else ANYTHING
-    plain = query.relation is None and query.time is None and not query.negated
-    return plain and query.ask == "where" and query.select == "last" and category == ANYTHING
 
 
 def _object_steps(

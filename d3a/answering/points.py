@@ -1,4 +1,4 @@
-"""A point in time, as people mean it: what was so then, or what was seen in that minute.
+"""What a query asks of time: a point, as people mean it, or where everything is now.
 
 Formal queries hold a point as start == end; a clock is told to the minute.
 """
@@ -32,3 +32,10 @@ def edge_of(query: FormalQuery) -> datetime | None:
     counted = any(term.quantity is not None for term in query.objects)
     one = query.ask == "whether" and not (several or anything or counted)
     return query.time.start if one or query.ask == "where" else None
+
+
+def asks_where_all_is(query: FormalQuery) -> bool:
+    """Whether it is asked where everything is now, in a place or anywhere."""
+    category = query.objects[0].category if query.objects else ANYTHING
+    plain = query.relation is None and query.time is None and not query.negated
+    return plain and query.ask == "where" and query.select == "last" and category == ANYTHING

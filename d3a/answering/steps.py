@@ -177,6 +177,13 @@ class Unite:
 
 
 @dataclass(frozen=True, slots=True)
+class FindNow:
+    """Find where the objects that stood so were seen last, wherever that was."""
+
+    var: str
+
+
+@dataclass(frozen=True, slots=True)
 class FindStretches:
     """Find from when to when the objects of `var` were so without being seen elsewhere between.
 
@@ -310,6 +317,7 @@ Step = (
     | Relate
     | Gather
     | Unite
+    | FindNow
     | FindStretches
     | KeepPresent
     | KeepMissing

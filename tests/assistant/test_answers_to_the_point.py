@@ -295,3 +295,23 @@ def test_one_thing_under_several_ids_is_told_as_what_may_be_the_same(home: Home)
     )
     home.seen("other", 1, 2, at=(1, 2, 1), place=1)
     assert told(home, "Where is the cup?").endswith("There is one more it could be.")
+
+
+def test_what_was_somewhere_is_told_where_it_is_now(home: Home) -> None:
+    home.thing("table", "table")
+    home.seen("table", 0, 50, at=(1, 1.4, 0.7))
+    said = told(home, "Where is the cup that was next to the table?")
+    assert said.startswith(
+        "In the hall. I last saw the cup that was next to the table there today at 16:01"
+    )
+    assert told(home, "Where's the cup that was next to the table?") == said
+    then = told(home, "Where was the cup that was next to the table?")
+    assert then.startswith("In the kitchen. I saw the cup next to the table there today at 12:50")
+    assert told(home, "Where is the cup that was next to the bowl?").startswith("In the hall. I")
+
+
+def test_a_denial_that_is_right_has_the_status_of_nothing_found(home: Home) -> None:
+    for question in ("Is there no cup in the kitchen?", "Was there at most one bowl?"):
+        answer = answered(home, question)
+        assert answer.answer.startswith("That is right:"), question
+        assert (answer.status, answer.keyframes) == ("not_found", ())
