@@ -257,6 +257,8 @@ class ClauseTagger(Cursor):
             k += 1
         if not self._open_at(k) or (for_use and not self._names(k)):
             return False
+        if self._text(k) in tw.UNITS and self._text(k + 1) in ("ago", "back", "earlier"):
+            return False  # for hours ago: a time that was misheard
         self.i = self.reader.read(self.words, k)[-1][2]
         return True
 

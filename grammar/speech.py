@@ -10,7 +10,7 @@ from dataclasses import replace
 from grammar import numbers, stutters, timespan
 from grammar.closed import is_open, words_of
 from grammar.corrections import HESITATING, corrected
-from grammar.nountags import KIN
+from grammar.nountags import KIN, PEOPLE
 from grammar.phrases import asks_at_start, phrases
 from grammar.sayings import AUXILIARIES, QUESTION_STARTS, QUESTION_WORDS, sections
 from grammar.vocabulary import Lexicon
@@ -23,7 +23,7 @@ SEEK = "<seek>"
 def plain(words: list[Word], lexicon: Lexicon) -> list[Word]:
     """Return the words of one sentence without what changes nothing."""
     words = _joined(_counting(_heard(_without_fillers(words)), lexicon), lexicon)
-    words = _unowned(words, lexicon)
+    words = _owning(_unowned(words, lexicon), lexicon)
     words = corrected(words, lexicon)
     words = stutters.without_stutters(words, lexicon)
     return _located(_closed(_searching(_without_thought(_opened(_searching(words))))))
@@ -88,6 +88,29 @@ def _heard(words: list[Word]) -> list[Word]:
     if sounds and words[1].text in ("is", "are", "did", "was", "have"):
         return [replace(words[0], text="where"), *words[1:]]
     return words
+
+
+def _owning(words: list[Word], lexicon: Lexicon) -> list[Word]:
+    """Return the words with the apostrophes that speech has not: my daughters bag, chris bike."""
+    found = list(words)
+    for i, word in enumerate(words[:-1]):
+        named = word.text[-1] == "s" and word.text in lexicon.names
+        person = word.text[-1] == "s" and word.text[:-1] in PEOPLE - _ADJECTIVAL
+        if not (named or person) or lexicon.known_noun(f"{word.text} {words[i + 1].text}"):
+            continue
+        k = i + 1
+        while k + 1 < len(words) and words[k].text in lexicon.attributes:
+            k += 1
+        thing, pair = words[k].text, " ".join(w.text for w in words[k : k + 2])
+        known = lexicon.known_noun(thing) or lexicon.known_noun(pair)
+        if is_open(thing) and thing not in phrases().verbs and known:
+            owner = word.text if named else word.text[:-1]
+            found[i] = replace(word, text=f"{owner}'s")
+    return found
+
+
+_ADJECTIVAL = frozenset(("kid", "guest", "baby", "visitor"))
+"""People whose plural says what kind a thing is: a kids table."""
 
 
 def _counting(words: list[Word], lexicon: Lexicon) -> list[Word]:

@@ -286,3 +286,26 @@ def test_where_something_was_done_with_a_thing_is_not_where_it_is() -> None:
     assert alike("where is the gown i wore in the garden", "where is the gown")
     assert parse("where is the jar i left on the sill", now=NOW).relation is not None
     assert parse("is the book i bought on the sill", now=NOW).relation is not None
+
+
+@pytest.mark.parametrize(
+    ("said", "plainly"),
+    [
+        ("where is my daughters bag", "where is my daughter's bag"),
+        ("where are grandmas reading glasses", "where are grandma's reading glasses"),
+        ("is chris blue backpack on the bench", "is chris's blue backpack on the bench"),
+        ("is the jar infront of the oven", "is the jar in front of the oven"),
+        ("is the jar in side the oven", "is the jar inside the oven"),
+        ("is the jar inbetween the bowl and the oven", "is the jar between the bowl and the oven"),
+    ],
+)
+def test_what_a_recogniser_leaves_out_is_put_back(said: str, plainly: str) -> None:
+    assert alike(said, plainly)
+
+
+def test_animals_and_people_in_the_plural_own_nothing_by_that() -> None:
+    assert parse("are the dogs black", now=NOW).objects[0].owner is None
+    assert parse("how many dogs did you see", now=NOW).objects[0].owner is None
+    for text in ("are the dogs asleep", "where was my jar for hours ago"):
+        with pytest.raises(QuestionError):
+            parse(text, now=NOW)
