@@ -54,17 +54,14 @@ def choices(
 def _shared(text: str, tags: Sequence[Tag], first: tuple[int, int], part: tuple[int, int]) -> str:
     """Return the determiner or owner that a part shares with the first; "" where it does not."""
     lead, own = (next(t for t in tags if t.word.start >= start) for start, _ in (first, part))
-    shared = own.type == "OWNER" and text[own.word.start : own.word.end] != _said(lead, text)
+    # an owner that is not said again stands with its thing
+    shared = own.type == "OWNER" and sum(t.word.start == own.word.start for t in tags) > 1
     if lead.type not in _BEFORE or not (shared or own.type in _UNLED):
         return ""
     word = text[lead.word.start : lead.word.end]
     if word.lower() in ("a", "an"):
         word = "an" if text[part[0]].lower() in "aeiou" else "a"
     return f"{word} "
-
-
-def _said(tag: Tag, text: str) -> str:
-    return text[tag.word.start : tag.word.end]
 
 
 def _reads_as(said: str, query: FormalQuery, again: Callable[[str], FormalQuery]) -> bool:

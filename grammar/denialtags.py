@@ -29,6 +29,10 @@ class DenialTagger(NounTagger):
                 self.out.contrary = self._is_contrary(self.i + 1)
                 self.i += 1
             return True
+        if text == "neither" and self._text(self.i + 1) == "of":
+            self.out.negated = True  # neither of the cups
+            self.i += 2
+            return True
         lost = text == "nowhere" and self._text(self.i + 1) == "to"  # nowhere to be found
         if lost or text not in ("no", "never", "nothing", "nowhere", "none"):
             return False
@@ -80,7 +84,9 @@ class DenialTagger(NounTagger):
         Was there no cup in the hall, and was no cup seen there, deny that there was any.
         """
         kinds = {t.type for t in self.out.tags}
-        of_a_thing = self._first() in ("BE", "_WHETHER") and "NOUN" in kinds
+        while self._text(k) in ("been", "be", "ever"):
+            k += 1
+        of_a_thing = self._first() in ("BE", "AUX", "_WHETHER") and "NOUN" in kinds
         there = not kinds.isdisjoint(("THERE", "SEE", "WHO"))
         return (
             of_a_thing

@@ -28,7 +28,8 @@ _MINE = ("_WHERE", "BE", "SEE", "LEAVE")
 _AREAS = ("room", "area", "house", "place", "location", "spot")
 _EACH_OF = ("all", "every", "each")
 _BEFORE_EXCEPT = (
-    "NOUN", "ONE", "COMMA", "SIDE_BY_SIDE", "AT_PLACE", "HERE", "_WHAT", "MOVED", "MISSING", "",
+    "NOUN", "ONE", "COMMA", "SIDE_BY_SIDE", "AT_PLACE", "HERE", "_WHAT", "MOVED", "MISSING",
+    "SEE", "LEAVE", "",
 )  # fmt: skip
 """What may stand before what is left out, which may be all that is said: besides the laptop?"""
 _ABOUT = ("around", "somewhere", "anywhere", "someplace")
@@ -117,6 +118,8 @@ class Tagger(OpenTagger):
             case "same_room":
                 self._emit("UNKNOWN", said, size)
                 return True
+            case "_EXCEPT" if self._other_place(self.i + size):
+                return True
             case "_EXCEPT" if said == "but not" and self._relation_at(self.i + size):
                 self._emit("AND", said, 1)  # on the table but not near the lamp
                 return True
@@ -142,6 +145,17 @@ class Tagger(OpenTagger):
         if not self._fits(terminal, said, self.i + size):
             return False
         self._emit_phrase(terminal, said, size)
+        return True
+
+    def _other_place(self, k: int) -> bool:
+        """Read where it was besides the kitchen, other than in the hall, as not in it."""
+        k += self._text(k) in ("in", "at")
+        while self._text(k) in DETERMINERS or self._text(k) in OWNERS:
+            k += 1
+        place, end = self._place_at(k)
+        if not place or self._last() not in _BEFORE_EXCEPT[:-1]:
+            return False
+        self._emit("NOT_AT_PLACE", place, end - self.i)
         return True
 
     def _asks_two(self, k: int) -> bool:

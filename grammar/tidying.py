@@ -39,6 +39,26 @@ def _ones(tags: list[Tag]) -> list[Tag]:
     return out
 
 
+def _said_of_all(tags: list[Tag]) -> list[Tag]:
+    """Say of each look what is said after their noun: red or blue cups without handles."""
+    last = next((i for i in range(len(tags) - 1, 0, -1) if tags[i].type == "NOUN"), 0)
+    end = last + 1
+    while end < len(tags) and tags[end].type in (*_CLAUSE_HEADS, *_CLAUSE_PARTS):
+        end += 1
+    clause = tags[last + 1 : end]
+    if not clause or clause[0].type not in _CLAUSE_HEADS:
+        return tags
+    out: list[Tag] = []
+    for i, tag_ in enumerate(tags):
+        out.append(tag_)
+        spread = (
+            tag_.type == "NOUN" and tag_.word.start == tags[last].word.start
+        )  # it was said once
+        if spread and i < last and tags[i + 1].type == "OR":
+            out += clause
+    return out
+
+
 def _lacking(tags: list[Tag]) -> list[Tag]:
     """Say last what the things asked for are without: cups but no bowls on the table."""
     at = next((i for i, t in enumerate(tags) if t.type == "LACKS"), 0)
@@ -71,6 +91,9 @@ def _either_look(tags: list[Tag]) -> list[Tag]:
         while tags[first - 1].type in ("ATTR", "OR", "OR_LOOK"):
             first -= 1
         led = tags[first - 1]
+        if led.type == "NOUN" and isinstance(led.value, Noun) and led.value.category == ANYTHING:
+            led = Tag("_THAT_IS", 0, led.word)  # something red or blue
+            tags, i = [*tags[:first], led, *tags[first:]], i + 1
         ends = all(t.type in ("ATTR", "OR", "OR_LOOK") for t in tags[first:])
         if led.type == "BE" and ends and tags[0].type in ("_WHICH", "_HOWMANY"):
             far = any(t.type == "REL" for t in tags)
@@ -109,6 +132,8 @@ def _extraposed(tags: list[Tag]) -> list[Tag]:
 
 
 _CLAUSES = ("_THAT_IS", "_THAT_IS_NOT", "_NOT_MADE_OF")
+_CLAUSE_HEADS = (*_CLAUSES, "_MADE_OF", "_WITH_PART", "_WITHOUT_PART")
+_CLAUSE_PARTS = ("ATTR", "DET", "PART", "OWNED")
 
 
 def _excepted(tags: list[Tag]) -> list[Tag]:
@@ -322,6 +347,7 @@ _SETTLING: tuple[tuple[Callable[[list[Tag]], list[Tag]], tuple[str, ...]], ...] 
     (_ones, ("ONE",)),
     (_lacking, ("LACKS",)),
     (_carried, ("CARRIES",)),
+    (_said_of_all, ("OR",)),
     (_either_look, ("OR",)),
     (_fronted, ("AT_PLACE", "REL")),
     (_commas, ("COMMA",)),

@@ -84,6 +84,61 @@ def test_a_time_when_and_one_when_not_are_offered_each(text: str, offered: tuple
     assert caught.value.suggestions == offered
 
 
+@pytest.mark.parametrize(
+    ("text", "formal"),
+    [
+        (
+            "show me red or blue cups without handles",
+            "red(x), cup(y), not handle(y), blue(yo1), cup(yo1), not handle(yo1), or(y, yo1) "
+            "| OIc.find(x, y) | ask what",
+        ),
+        (
+            "did you see a red or blue cup and a bowl",
+            "red(x), cup(y), blue(yo1), cup(yo1), or(y, yo1), bowl(z) "
+            "| OIc.find(x, y), OIc.find(z)",
+        ),
+        (
+            "is there something red or blue under the bed",
+            'red(x), object(y), said(y, "something"), blue(yo1), object(yo1), '
+            'said(yo1, "something"), or(y, yo1), bed(z) '
+            "| STc.find(OIc.find(x, y), OIc.find(z), under) | ask whether",
+        ),
+        (
+            "where else was the cup besides the kitchen",
+            "cup(x) | STc.find(OIc.find(x), not in kitchen)",
+        ),
+        (
+            "where was the cup other than in the kitchen",
+            "cup(x) | STc.find(OIc.find(x), not in kitchen)",
+        ),
+        (
+            "is neither of the cups on the table",
+            "cup(x), table(y) | STc.find(OIc.find(x), OIc.find(y), on) | ask whether, negated",
+        ),
+        (
+            "has the cup ever not been on the table",
+            "cup(x), table(y) | STc.find(OIc.find(x), OIc.find(y), on) "
+            "| ask whether, negated, contrary",
+        ),
+        (
+            "did you not see the cup on the table",
+            "cup(x), table(y) | STc.find(OIc.find(x), OIc.find(y), on) | ask whether, negated",
+        ),
+        (
+            "what did you see besides the cup",
+            'object(x), said(x, "thing"), cup(xn1), other(x, xn1) | OIc.find(x) | ask what',
+        ),
+        (
+            "when were the cup and the bowl in the kitchen together",
+            "cup(x), bowl(y) | STc.find(OIc.find(x), OIc.find(y), together, in kitchen)",
+        ),
+    ],
+)
+def test_two_constructions_in_one_are_read_together(text: str, formal: str) -> None:
+    query = read(text)
+    assert query.formal == formal
+
+
 def test_what_else_lies_there_leaves_one_out() -> None:
     (thing, _) = read("what is on the table but not the cup").objects
     assert thing.other_than == (ObjectTerm("cup"),)
