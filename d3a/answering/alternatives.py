@@ -18,17 +18,22 @@ RATHER = 0.5
 def take_in(run: Run, step: TakeIn) -> None:
     """Count what was found for each of the others as found for the variable.
 
-    Of an object that several may mean the better one counts; what is refused as all of them is.
+    Of an object that several may mean the better one counts, and none that is doubtful before one
+    that is not; what is refused as all of them is, and may be one of them where it may be any.
     """
     table = run.found[step.var]
     for other in [run.found.pop(name) for name in step.others]:
         for name, candidate in other.candidates.items():
+            doubtful = name in other.doubtful
             own = table.candidates.get(name)
-            if own is None or _worth(own) < _worth(candidate):
+            known = None if own is None else (name not in table.doubtful, _worth(own))
+            if known is None or known < (not doubtful, _worth(candidate)):
                 table.candidates[name] = candidate
+                table.doubtful = table.doubtful | {name} if doubtful else table.doubtful - {name}
         table.known = table.known or other.known
         table.refused += other.refused
     table.candidates = {name: table.candidates[name] for name in table.ids}
+    table.refused.sort(key=lambda c: (bool(c.attributes), _worth(c)))  # of two the later counts
     refused = {c.record.object_id: c for c in table.refused}
     table.refused = [c for name, c in refused.items() if name not in table.candidates]
 

@@ -166,11 +166,21 @@ def _otherwise(run: Run) -> RankedKeyframe | None:
 
 
 def _perhaps(run: Run, limit: int) -> tuple[RankedKeyframe, ...]:
-    """Return what may be what was asked for, as many of the likeliest as are told."""
+    """Return what may be what was asked for, as many of the likeliest as are told.
+
+    Where several descriptions will do, each tells the looks of the one that it may be.
+    """
     told = run.perhaps[: max(limit, 1)]
+    several = any(term.or_else for term in run.query.objects)
     run.find_spots([one.moment.figure for one in told])
     return tuple(
-        keyframe(run, one.moment.figure, number, one.score, why | {"refused": list(run.refused)})
+        keyframe(
+            run,
+            one.moment.figure,
+            number,
+            one.score,
+            why | {"refused": [*(why["attributes"] if several else run.refused)]},
+        )
         for number, one in enumerate(told, 1)
         for why in one.why
     )

@@ -50,6 +50,23 @@ def test_either_look_or_either_kind_will_do(home: Home) -> None:
     assert found(home, whether(bowl)) == {"bowl-red", "cup-blue"}
 
 
+@pytest.mark.parametrize("asked", [("red", "purple"), ("purple", "red")])
+def test_what_may_be_one_of_two_is_no_answer_by_itself(home: Home, asked: tuple[str, str]) -> None:
+    home.thing("rusty", "vase", paint=(152.0, 80.0, 45.0))
+    home.seen("rusty", 0, 10, at=(2, 1, 1))
+    first, second = (ObjectTerm("vase", attributes=(colour,)) for colour in asked)
+    answer = run(home, whether(replace(first, or_else=(second,))))
+    assert (answer.status, answer.keyframes) == ("not_found", ())
+    (maybe,) = answer.perhaps
+    assert maybe.object_id == "rusty"
+    assert maybe.why["refused"] == ["red"]
+    home.thing("red", "vase", paint="red")
+    home.seen("red", 0, 10, at=(2, 2, 1))
+    both = run(home, whether(replace(first, or_else=(second,))))
+    assert both.keyframes[0].object_id == "red"
+    assert both.count == 1
+
+
 def test_what_is_seen_of_neither_is_a_no_and_an_unknown_word_is_only_one_of_two(home: Home) -> None:
     unicorn = ObjectTerm("unicorn")
     assert run(home, whether(replace(unicorn, or_else=(ObjectTerm("griffin"),)))).reason == "never"
