@@ -10,6 +10,7 @@ from grammar.phrases import phrases, stands_at
 _APPEARING = frozenset(
     ("appear", "appeared", "show up", "showed up", "turn up", "turned up", "pop up", "popped up")
 )
+_DUE = ("belongs", "belong", "goes", "go")
 _BEING = {"do": "present", "did": "past", "have": "past"}
 """The tense of a question in which a verb of position follows its auxiliary."""
 
@@ -32,6 +33,9 @@ class VerbTagger(OwnerTagger):
         """Read a verb of position before its place as `is`: what hangs over the door."""
         if not self.out.tags or self._has("WHO") or not stands_at(self.words, self.i):
             return False
+        if said in _DUE and self._last() == "_WHAT":
+            self._emit("UNKNOWN", said, size)  # what belongs on the shelf is no sighting
+            return True
         value = "present" if terminal == "stands" else "past"
         for k, tag_ in enumerate(self.out.tags):
             if tag_.type == "AUX" and tag_.value in _BEING:  # did a lamp stand on the desk

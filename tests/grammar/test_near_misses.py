@@ -309,3 +309,32 @@ def test_animals_and_people_in_the_plural_own_nothing_by_that() -> None:
     for text in ("are the dogs asleep", "where was my jar for hours ago"):
         with pytest.raises(QuestionError):
             parse(text, now=NOW)
+
+
+@pytest.mark.parametrize(
+    ("text", "kind"),
+    [
+        ("what is in the back of the closet", "in"),
+        ("what is at the back of the sofa", "behind"),
+        ("what is touching the wall", "near"),
+        ("what is halfway between the sofa and the lamp", "between"),
+    ],
+)
+def test_more_ways_to_say_a_relation(text: str, kind: str) -> None:
+    relation = parse(text, now=NOW).relation
+    assert relation is not None
+    assert relation.kind == kind
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "what belongs on the shelf",
+        "what goes on the shelf",
+        "is the lamp plugged into the wall",
+        "are the curtains covering the window",
+    ],
+)
+def test_where_things_ought_to_go_and_how_they_are_is_refused(text: str) -> None:
+    with pytest.raises(OutOfScope):
+        parse(text, now=NOW)
