@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from itertools import islice, zip_longest
 
 from grammar import scope, timespan
-from grammar.closed import is_open, words_of
+from grammar.closed import LEADING, is_open, words_of
 from grammar.nountags import KIN
 from grammar.phrases import asks_at_start
 from grammar.sayings import AUXILIARIES, QUESTION_WORDS, sections
@@ -31,10 +31,7 @@ _ASKING_FOR = words_of("asks asked asking wants wonders")
 _ASKING_YOU = ("ask", "asking", "trouble", "bother")
 _ASKERS = words_of("who whom whose why what where when which how whether whereabouts")
 _PAST = words_of("was were did have has had saw seen")
-_SUBJECTS = words_of(
-    "i we you it he she they there the a an my your our any anyone someone this that these those "
-    "his her their"
-)
+_SUBJECTS = LEADING | words_of("i we you it he she they there any anyone someone")
 _TAILS = words_of(
     "i we it he she they my there that this because cause since as so otherwise thanks thank "
     "cheers sorry you please"

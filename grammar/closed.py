@@ -26,6 +26,10 @@ CLOSED = words_of(
 """Words that never are part of a noun phrase's open words."""
 
 
+LEADING = words_of("the a an my your our his her their its this that these those")
+"""What leads a noun phrase that names its thing."""
+
+
 def is_open(word: str) -> bool:
     """Whether a word may belong to a noun phrase: no function word, mark or number."""
     return word[:1].isalpha() and word not in CLOSED and word not in CARDINALS

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from grammar import numbers, timespan
 from grammar import timewords as tw
-from grammar.closed import is_open, words_of
+from grammar.closed import LEADING, is_open, words_of
 from grammar.sayings import AUXILIARIES, QUESTION_STARTS, QUESTION_WORDS, sections
 from grammar.vocabulary import Lexicon
 from grammar.words import Word
@@ -185,7 +185,7 @@ def _head_replaced(before: list[Word], after: list[Word]) -> list[Word]:
     return [*before[:k], *after] if k < len(before) else [*before, *after]
 
 
-_DETERMINERS = words_of("the a an my your our his her their its this that these those any some")
+_DETERMINERS = LEADING | {"any", "some"}
 _PREPOSITIONS = words_of(
     "on in under behind near by above below beside inside at over beneath underneath"
 )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from grammar import numbers
-from grammar.closed import is_open, words_of
+from grammar.closed import LEADING, is_open, words_of
 from grammar.forms import ObjectTerm, Select
 from grammar.lalr import Token
 from grammar.nouns import NounReader
@@ -15,8 +15,8 @@ from grammar.words import Word
 
 TIME_GAP = "<time>"
 """Stands where a spoken time was taken out: no phrase reaches across it."""
-DETERMINERS = words_of("a an the this that these those some any their his her its another no")
 OWNERS = {"my": "me", "our": "me", "your": "you"}
+DETERMINERS = (LEADING - OWNERS.keys()) | words_of("some any another no")
 OWNED = {
     "mine": "me", "ours": "me", "yours": "you", "me": "me", "us": "me", "you": "you",
     "hers": "her", "his": "him", "theirs": "them", "her": "her", "him": "him", "them": "them",

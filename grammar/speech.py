@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from grammar import numbers, stutters, timespan
-from grammar.closed import is_open, words_of
+from grammar.closed import LEADING, is_open, words_of
 from grammar.corrections import HESITATING, corrected
 from grammar.nountags import KIN, PEOPLE
 from grammar.phrases import asks_at_start, phrases
@@ -131,15 +131,12 @@ def _joined(words: list[Word], lexicon: Lexicon) -> list[Word]:
             owner = word.text == "s" and is_open(before.text) and len(before.text) > 1
             joined = f"{before.text}'s" if owner else before.text + word.text
             spelled = len(before.text) == 1 and lexicon.known_noun(joined) and before.text != "a"
-            led = len(word.text) == 1 or (len(out) > 1 and out[-2].text in _LED)
+            led = len(word.text) == 1 or (len(out) > 1 and out[-2].text in LEADING)
             if owner or (spelled and led):
                 out[-1] = replace(before, text=joined, end=word.end)
                 continue
         out.append(word)
     return out
-
-
-_LED = words_of("the a an my your our his her their this that")
 
 
 def _unowned(words: list[Word], lexicon: Lexicon) -> list[Word]:
@@ -152,7 +149,7 @@ def _unowned(words: list[Word], lexicon: Lexicon) -> list[Word]:
         after = [w.text for w in words[i + 1 :]]
         owns = after and (is_open(after[0]) or after[0] == "own")
         timed = owns and any(time.first == 0 for time in timespan.find(after))
-        if verb and words[i - 1].text in _LED and (timed or not owns):
+        if verb and words[i - 1].text in LEADING and (timed or not owns):
             return [*words[:i], replace(words[i], text=thing), *words[i + 1 :]]
     return words
 
@@ -181,7 +178,7 @@ def _no_filler(words: list[Word], i: int, count: int, kept: list[Word]) -> bool:
     if words[i].text == "mm":
         return before.isdecimal() or before in numbers.CARDINALS  # the 10 mm socket
     if words[i].text == "like":
-        named = i + 1 < len(words) and words[i + 1].text in _LED
+        named = i + 1 < len(words) and words[i + 1].text in LEADING
         return before not in _BEFORE_LIKE and not (named and before in _LEAVING)
     if words[i].text in ("oh", "o"):
         return before in numbers.CARDINALS

@@ -5,12 +5,11 @@ from __future__ import annotations
 from operator import eq
 
 from grammar import numbers
-from grammar.closed import is_open, words_of
+from grammar.closed import LEADING, is_open, words_of
 from grammar.sayings import AUXILIARIES, QUESTION_STARTS, QUESTION_WORDS
 from grammar.vocabulary import Lexicon
 from grammar.words import Word
 
-_LED = words_of("the a an my your our his her their this that")
 _SOME = ("a", "an", "any", "some")
 _NAMELESS = words_of("thing thingy thingie thingamajig whatsit whatnot doodah gizmo")
 
@@ -31,9 +30,9 @@ def _without_dummy(words: list[Word]) -> list[Word]:
     there = texts[1:3] == ["it", "there"] and texts[0] in being and texts[-1] in _SOME
     where = texts[:2] == ["where", "it"] and texts[2:3] != [] and texts[2] in being
     told = texts[:3] in (["where", "is", "it"], ["where", "was", "it"]) and texts[-1] == ","
-    if told and len(words) > 5 and words[4].text in _LED:
+    if told and len(words) > 5 and words[4].text in LEADING:
         return [*words[:2], *words[4:]]
-    if there or (where and (texts[-1] in _LED or is_open(texts[-1])) and len(texts) == 4):
+    if there or (where and (texts[-1] in LEADING or is_open(texts[-1])) and len(texts) == 4):
         return [words[0], *words[2:]]
     return words
 
@@ -42,8 +41,8 @@ def _named(words: list[Word]) -> list[Word]:
     """Take out a word for a thing before its name: the thing, the charger."""
     texts = [w.text for w in words]
     for i in range(1, len(texts) - 3):
-        nameless = texts[i] in _LED and texts[i + 1] in _NAMELESS and texts[i + 2] == ","
-        if nameless and texts[i + 3] in _LED:
+        nameless = texts[i] in LEADING and texts[i + 1] in _NAMELESS and texts[i + 2] == ","
+        if nameless and texts[i + 3] in LEADING:
             return [*words[:i], *words[i + 3 :]]
     return words
 
@@ -105,7 +104,7 @@ def _placed_once(words: list[Word]) -> list[Word]:
     again = (
         i
         for i in range(1, len(texts) - 2)
-        if texts[i + 1] == "," and texts[i] == texts[i + 2] and texts[i] in _LED
+        if texts[i + 1] == "," and texts[i] == texts[i + 2] and texts[i] in LEADING
     )
     first = next(again, None)
     return words if first is None else _placed_once([*words[:first], *words[first + 2 :]])
