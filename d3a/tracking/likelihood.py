@@ -227,12 +227,9 @@ class CategoryModel:
         prior = self.parameters.category_prior
         total = self.counts.total() + prior * self.parameters.category_kinds
         common = [(self.counts[category] + prior) / total for category, _ in names]
-        share = np.array(
-            [
-                [kind.get(category, 0.0) if kind else usual for kind in kinds]
-                for (category, _), usual in zip(names, common, strict=True)
-            ]
-        )
+        share = np.array([[kind.get(category, 0.0) for kind in kinds] for category, _ in names])
+        if not all(kinds):  # of what was never named all is as usual
+            share[:, [not kind for kind in kinds]] = np.array(common)[:, None]
         wrong = np.array([[self.wrong(probability)] for _, probability in names])
         parts = np.empty((2, *share.shape))
         parts[0] = (1 - wrong) * share / np.array(common)[:, None]

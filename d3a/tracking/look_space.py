@@ -42,14 +42,15 @@ class LookSpace:
         self.scaled_at = 0.0
         self._version = 1
 
-    def add(self, looks: Features) -> None:
-        """Learn what there is to see: looks (n, d); rows of zeros are none."""
-        known = looks[looks.any(axis=1)].astype(np.float64)
-        if len(known) == 0:
+    def add(self, looks: Features, pictured: list[bool]) -> None:
+        """Learn what there is to see: looks (n, d), and which of them are known."""
+        if not any(pictured):
             return
+        known = (looks if all(pictured) else looks[pictured]).astype(np.float64)
         self._ready(looks.shape[1])
-        self.sums[0] += known.sum(axis=0)
-        self.sums[1] += (known * known).sum(axis=0)
+        self.sums[0] += np.add.reduce(known, axis=0)
+        known *= known
+        self.sums[1] += np.add.reduce(known, axis=0)
         self.counts[0] += len(known)
 
     def add_same(self, look: Features, mean: Features, views: float) -> None:
@@ -63,17 +64,20 @@ class LookSpace:
         if self.sums.shape[1] == 0:
             self.sums = np.zeros((3, length))
 
-    def of(self, looks: Features) -> Features:
-        """Return looks (n, d) in the space, rows of unit length; zeros stay zeros."""
+    def of(self, looks: Features, *, are_known: bool = False) -> Features:
+        """Return looks (n, d) in the space, rows of unit length; zeros stay zeros.
+
+        are_known: that none of them is zeros is known already.
+        """
         if looks.shape[1] == 0 or self.ready() == 0:
             return looks
         centre, scale = self.scale
-        moved = (looks - centre) * scale
+        moved = looks - centre
+        moved *= scale
         length = np.sqrt(np.einsum("nd,nd->n", moved, moved))
         moved /= np.maximum(length, np.float32(1e-12))[:, None]
-        known = looks.any(axis=1)
-        if not known.all():
-            moved[~known] = 0.0
+        if not are_known:
+            moved[~looks.any(axis=1)] = 0.0
         return np.asarray(moved)
 
     def ready(self) -> int:

@@ -92,7 +92,7 @@ class Matcher:
     def match(self, observed: Observed, time_ms: int, pose: Pose | None) -> list[Match | None]:
         """Return for each observed thing what it is, None for new; corrects the frame's offset."""
         frame = self._frame(observed, pose)
-        self.space.add(observed.looks)
+        self.space.add(observed.looks, observed.pictured)
         before = self.offset.copy()
         found = self._explained(frame, pose)
         if pose is not None and found.strange >= STRANGE_LEAST:
@@ -207,18 +207,21 @@ class Matcher:
         What has no position is near everything, and to a detection without one all are.
         """
         positions, known = self._memory.positions, self._memory.things
-        at = rows.tolist()
+        at, owners = rows.tolist(), positions.owners
         spans: dict[int, tuple[int, int]] = {}
+        last, start = None, 0
         for k, row in enumerate(at):  # they are by thing
-            number = positions.owners[row][0].number
-            spans[number] = spans.get(number, (k, k))[0], k + 1
+            number = owners[row][0].number
+            if number != last:
+                last, start = number, k
+            spans[number] = start, k + 1
         numbers, placeless, nowhere = list(spans), self._memory.placeless(), observed.nowhere
         if nowhere:
             numbers = sorted(known)
         elif placeless:
             numbers = sorted({*numbers, *(thing.number for thing in placeless)})
         things = [known[number] for number in numbers]
-        unplaced = [k for k, number in enumerate(numbers) if known[number] in placeless]
+        unplaced = [k for k, thing in enumerate(things) if thing in placeless] if placeless else []
         of = [spans.get(number, (0, 0)) for number in numbers]
         return Gated(things, at, positions.columns[:, rows], of, unplaced, nowhere)
 
@@ -234,14 +237,15 @@ class Matcher:
         looks = self._memory.looks
         if observed.looks.shape[1] == 0 or looks.length == 0:
             return Scoring(agreed, differing)
-        views = np.array([thing.look_weight for thing in things])
-        known = np.array(observed.pictured)[:, None] & (views > 0)
-        is_known = known.all()
-        likeness = looks.likeness(observed.looks, things, self.space)
+        weights = [thing.look_weight for thing in things]
+        are_known = all(observed.pictured) and all(weights)
+        likeness = looks.likeness(observed.looks, things, self.space, are_known)
+        views = np.array(weights)
         same, beside = self.looks.against(likeness, views, (OTHER, BESIDE))
-        if not is_known:
-            likeness[~known] = np.nan
-            same[~known] = beside[~known] = 0.0
+        if not are_known:
+            unknown = ~(np.array(observed.pictured)[:, None] & (views > 0))
+            likeness[unknown] = np.nan
+            same[unknown] = beside[unknown] = 0.0
         if self.one and any(told := [thing.object_id in self.one for thing in things]):
             same = np.where(told, np.maximum(same, 0.0), same)  # no look of its own to differ from
         if not all(frame.placed):

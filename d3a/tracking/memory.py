@@ -53,13 +53,21 @@ class Looks:
         """d, 0 before any picture."""
         return int(self._matrix.shape[1])
 
-    def likeness(self, seen: NDArray[np.float32], things: list[Known], space: LookSpace) -> Floats:
-        """Return the cosines (n, m) of looks (n, d) with those of some things, in their order."""
+    def likeness(
+        self, seen: NDArray[np.float32], things: list[Known], space: LookSpace, are_known: bool
+    ) -> Floats:
+        """Return the cosines (n, m) of looks (n, d) with those of some things, in their order.
+
+        are_known: whether all of these have a look.
+        """
         rows, stale = self._stale_of(things, space)
         count = len(seen)
-        units = space.of(np.concatenate([seen, self._matrix[stale]]) if len(stale) else seen)
-        self._units[stale] = units[count:]
-        self._stale[stale] = False
+        units = space.of(
+            np.concatenate([seen, self._matrix[stale]]) if len(stale) else seen, are_known=are_known
+        )
+        if len(stale):
+            self._units[stale] = units[count:]
+            self._stale[stale] = False
         return cosines(units[:count], self._units, rows)
 
     def unit(self, thing: Known, space: LookSpace) -> NDArray[np.float32]:

@@ -180,7 +180,7 @@ def test_what_all_looks_have_in_common_fades() -> None:
     for _ in range(300):
         for k in (0, 1):
             seen = view(k + 1)
-            space.add(seen[None])
+            space.add(seen[None], [True])
             space.add_same(seen, means[k], 20.0)
     learned = space.of(view(1)[None]) @ space.of(means).T
     assert plain[0] - plain[1] < 0.1
@@ -191,13 +191,16 @@ def test_before_anything_is_learned_looks_are_compared_as_they_are() -> None:
     space = LookSpace(DEFAULT)
     looks = np.stack([colour(1), colour(2)])
     assert np.array_equal(space.of(looks), looks)
-    space.add(looks)
+    space.add(looks, [True, True])
+    assert np.array_equal(space.of(looks, are_known=True), space.of(looks))
     assert np.allclose(space.of(looks) @ space.of(looks).T, looks @ looks.T, atol=0.1)
 
 
 def test_no_picture_stays_no_picture() -> None:
     space = LookSpace(DEFAULT)
-    space.add(np.stack([colour(1), np.zeros(512, dtype=np.float32)]))
+    space.add(np.stack([colour(1), np.zeros(512, dtype=np.float32)]), [True, False])
+    assert space.counts[0] == 1
+    space.add(np.zeros((1, 512), dtype=np.float32), [False])
     assert space.counts[0] == 1
     assert not space.of(np.zeros((1, 512), dtype=np.float32)).any()
 
