@@ -29,6 +29,7 @@ from d3a.tracking.sides import (
     are_familiar,
     chance_from,
     left,
+    looks_near,
     remember_look,
     remember_side,
     share_of_look,
@@ -45,10 +46,10 @@ THROUGH_LEAST, THROUGH_MOST = 0.3, 2.5
 """Bounds of the log-odds of one look that saw through a place."""
 
 
-Glance = tuple[tuple[Known, Place], bool, bool, tuple[float, float, float, float]]
+Glance = tuple[tuple[Known, Place], bool, bool, Position, tuple[float, float]]
 """What a look told of a thing at a place: whether it was in plain view in a frame, whether most
-such frames show what is behind it, and from where it was last in plain view (x y z), how far off.
-"""
+such frames show what is behind it, from where it was last in plain view, and how many looks from
+near there were taken before, and found it."""
 
 
 class Absence:
@@ -99,17 +100,17 @@ class Absence:
         Updates evidence, chances and `last_absent_ms` of every place that was in view.
         """
         found, missed = self._found, []
-        for (thing, place), is_plain, is_through, (x, y, z, away_m) in self._told():
+        for (thing, place), is_plain, is_through, eye, near in self._told():
             if place not in found:
                 missed.append(thing)
-                share, eye = 1.0, (x, y, z)
+                share = 1.0
                 if is_through:
                     odds = self._through_odds()
                 else:
-                    odds = -math.log(1 - chance_from(place, eye, away_m, self._usual()))
+                    odds = -math.log(1 - chance_from(place, *near, self._usual()))
                 if is_plain:
                     share, place.missed_from = share_of_look(place.missed_from, eye, self._end_ms)
-                    remember_look(place, eye, share, found=False)
+                    self._remember(place, eye, share, found=False)
                 self._missed(thing, place, share * odds, share, is_plain, is_through)
             elif is_plain and thing.seen > self._parameters.confirm_sightings:
                 self._refound += 1
@@ -135,15 +136,23 @@ class Absence:
         is_plain, is_through = frames > hidden, 2 * through > frames - hidden
         positions, found = self._memory.positions, self._found
         tells = is_through | are_familiar(positions.sides(rows), shown.last)
-        parts = tells.tolist(), is_plain.tolist(), is_through.tolist(), shown.last.T.tolist()
+        tells |= np.array([positions.owners[row][1] in found for row in rows.tolist()])
+        at = tells.nonzero()[0]
+        rows, last = rows[at], shown.last[:, at]
+        near: list[list[float]] = looks_near(positions.looks(rows), last).T.tolist()
+        parts = is_plain[at].tolist(), is_through[at].tolist(), last[:3].T.tolist()
         return [
-            (owner, plain, behind, (x, y, z, away_m))
-            for row, telling, plain, behind, (x, y, z, away_m) in zip(
-                rows.tolist(), *parts, strict=True
+            (positions.owners[row], plain, behind, (x, y, z), (looks, those))
+            for row, plain, behind, (x, y, z), (looks, those) in zip(
+                rows.tolist(), *parts, near, strict=True
             )
-            if telling or positions.owners[row][1] in found
-            for owner in (positions.owners[row],)
         ]
+
+    def _remember(self, place: Place, eye: Position, share: float, found: bool) -> None:
+        """Keep whether a look from somewhere found a thing."""
+        at = remember_look(place, eye, share, found)
+        if place.row >= 0:
+            self._memory.positions.put_look(place, at)
 
     def _usual(self) -> float:
         """Return how likely a look finds a thing that is there, by all things."""
@@ -167,7 +176,7 @@ class Absence:
         """Note that a look found a thing at its place: all looks in vain before tell nothing."""
         self._present[0] += place.throughs
         if eye is not None and place.hits:  # see `chance` for the first
-            remember_look(place, eye, 1.0, found=True)
+            self._remember(place, eye, 1.0, found=True)
         place.hits += 1
         place.chances += 1
         place.misses = place.throughs = 0

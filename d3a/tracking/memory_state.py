@@ -96,5 +96,6 @@ def _place(record: Json) -> Place:
     plain["missed_from"] = [((x, y, z), time_ms) for (x, y, z), time_ms in record["missed_from"]]
     looks = record.get("looks", [])  # older checkpoints have none
     plain["looks"] = [((x, y, z), share, found) for (x, y, z), share, found in looks]
+    plain.setdefault("looked", len(looks))
     opened = record["open"]
     return Place(**plain, open=None if opened is None else Interval.from_json(opened))

@@ -189,6 +189,8 @@ def _join(kept: Known, gone: Known, memory: Memory, parameters: Parameters) -> N
     memory.positions.put_sides(place)
     # each was looked for in vain where the other was found
     place.looks = [look for look in (*place.looks, *lost.looks) if look[-1]][-LOOKS_KEPT:]
+    place.looked = len(place.looks)
+    memory.positions.put_looks(place)
     kept.met |= gone.met
     kept.dirty = True
     memory.remove(gone)

@@ -12,7 +12,7 @@ from d3a.parameters import Parameters
 from d3a.symmetric import Matrix, Six, Triple, Vector, added, along
 from d3a.tracking.kalman import pulled
 from d3a.tracking.known import Known, Place
-from d3a.tracking.sides import SIDES_KEPT
+from d3a.tracking.sides import LOOKS_KEPT, SIDES_KEPT
 
 Floats = NDArray[np.float64]
 SCALE_PRIOR = 4.0
@@ -72,6 +72,7 @@ class Positions:
         self._columns = np.ones((10, 64))
         """Ones, and then `columns`."""
         self._sides = np.empty((64, 3, SIDES_KEPT))
+        self._looks = np.empty((64, 5, LOOKS_KEPT))
 
     @property
     def placed(self) -> int:
@@ -123,6 +124,25 @@ class Positions:
         """Return from where the places in some rows were seen, (k, 3, SIDES_KEPT), NaN: nowhere."""
         return np.asarray(self._sides[rows])
 
+    def looks(self, rows: NDArray[np.intp]) -> Floats:
+        """Return the latest looks at the places in some rows, (k, 5, LOOKS_KEPT).
+
+        x y z of the eye, NaN: no look; then its share, and 1 if it found the thing; else 0.
+        """
+        return np.asarray(self._looks[rows])
+
+    def put_look(self, place: Place, at: int) -> None:
+        """Take over one of the latest looks at a place."""
+        (x, y, z), share, found = place.looks[at]
+        self._looks[place.row, :, at] = (x, y, z, share, found)
+
+    def put_looks(self, place: Place) -> None:
+        """Take over the latest looks at a place."""
+        looks, count = self._looks[place.row], len(place.looks)
+        looks[:3], looks[3:] = np.nan, 0.0
+        if count:
+            looks[:, :count] = np.array([(*eye, *told) for eye, *told in place.looks]).T
+
     def put_sides(self, place: Place) -> None:
         """Take over from where a place was seen."""
         sides = self._sides[place.row]
@@ -148,6 +168,7 @@ class Positions:
             self._columns = np.concatenate([self._columns, np.ones_like(self._columns)], axis=1)
             self._order = np.concatenate([self._order, np.empty_like(self._order)])
             self._sides = np.concatenate([self._sides, np.empty_like(self._sides)])
+            self._looks = np.concatenate([self._looks, np.empty_like(self._looks)])
         rows = [row for *_, row in placed]
         self._rows += rows
         self._columns[1:, first:last] = np.array([(*row.mean, *row.spread) for row in rows]).T
@@ -157,6 +178,7 @@ class Positions:
             self._own(at, thing, place)
             if place.seen_from:
                 self.put_sides(place)
+            self.put_looks(place)
 
     def _own(self, at: int, thing: Known, place: Place) -> None:
         place.row = at
@@ -210,6 +232,7 @@ class Positions:
             self._columns[:, into] = self._columns[:, of]
             self._order[into] = self._order[of]
             self._sides[into] = self._sides[of]
+            self._looks[into] = self._looks[of]
 
 
 _DIAGONAL = np.array([4, 7, 9])

@@ -55,7 +55,7 @@ def remember_side(place: Place, eye: Position) -> bool:
 
 def is_familiar(place: Place, eye: Position, away_m: float) -> bool:
     """Say whether a viewpoint so far away from a place is near one that has shown it."""
-    near_m = _near_m(away_m)
+    near_m = max(FAMILIAR_M, FAMILIAR_SHARE * away_m)
     return any(math.dist(eye, side) <= near_m for side in reversed(place.seen_from))
 
 
@@ -70,15 +70,30 @@ def are_familiar(sides: Floats, last: Floats) -> NDArray[np.bool_]:
     return np.asarray(np.logical_or.reduce(np.add.reduce(away, axis=1) <= near_m2[:, None], axis=1))
 
 
-def _near_m(away_m: float) -> float:
-    return max(FAMILIAR_M, FAMILIAR_SHARE * away_m)
+def remember_look(place: Place, eye: Position, share: float, found: bool) -> int:
+    """Keep whether a look from somewhere found the thing, and its share; the oldest goes.
+
+    Returns where in `place.looks` it is.
+    """
+    at, look = place.looked % LOOKS_KEPT, (eye, share, found)
+    if at < len(place.looks):
+        place.looks[at] = look
+    else:
+        place.looks.append(look)
+    place.looked += 1
+    return at
 
 
-def remember_look(place: Place, eye: Position, share: float, found: bool) -> None:
-    """Keep whether a look from somewhere found the thing, and its share; the oldest goes."""
-    if len(place.looks) >= LOOKS_KEPT:
-        del place.looks[0]
-    place.looks.append((eye, share, found))
+def looks_near(looks: Floats, last: Floats) -> Floats:
+    """Return the looks from near some viewpoints, and those that found it, (2, k), by their shares.
+
+    looks: (k, 5, n), see `Positions.looks`; last: as for `are_familiar`.
+    """
+    away = looks[:, :3] - last[:3].T[:, :, None]
+    away *= away
+    near_m2 = np.maximum(FAMILIAR_M, FAMILIAR_SHARE * last[3]) ** 2
+    near = np.add.reduce(away, axis=1) <= near_m2[:, None]
+    return np.asarray(np.add.reduce(looks[:, 3:] * near[:, None], axis=2).T)
 
 
 def share_of_look(latest: list[Look], eye: Position, time_ms: int) -> tuple[float, list[Look]]:
@@ -118,16 +133,10 @@ def chance(place: Place, usual: float, vain: float = 0.0) -> float:
     return min(own, CHANCE_MOST)
 
 
-def chance_from(place: Place, eye: Position, away_m: float, usual: float) -> float:
-    """Return how likely a look from there finds a thing that is there.
+def chance_from(place: Place, looks: float, found: float, usual: float) -> float:
+    """Return how likely a look finds a thing that is there, after so many from near that viewpoint.
 
     A thing that is found nine times in ten may never have been found from just here.
     """
-    near_m, found, looks = _near_m(away_m), 0.0, 0.0
-    dist = math.dist
-    for side, share, was_found in place.looks:
-        if dist(eye, side) <= near_m:
-            looks += share
-            found += was_found
     here = (found + SIDE_PRIOR * chance(place, usual)) / (looks + SIDE_PRIOR)
     return min(here, CHANCE_MOST)
