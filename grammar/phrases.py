@@ -22,6 +22,7 @@ SUBJECT_OF = words_of(
 VERBAL = ("SEE", "LEAVE", "FINDS", "GO", "MOVED", "MISSING")
 _CUTTING = ("GO", "MOVED", "_MADE_OF", "_EXCEPT", "SIDE_BY_SIDE", "MISSING", "usual", "HERE")
 BARE_PLACES = frozenset(("upstairs", "downstairs", "outside", "outdoors"))
+_EVERY = (("all",), ("all", "the"), ("every",))
 _BEING = frozenset(("is", "are", "was", "were", "been"))
 _PREPOSITIONS = frozenset(("in", "at", "inside", "within", "throughout", "on"))
 _ADVERBS = frozenset(("right", "directly", "immediately", "straight", "still", "just", "usually"))
@@ -139,7 +140,7 @@ def place_follows(words: list[Word], k: int) -> bool:
 def asks_at_start(texts: list[str]) -> bool:
     """Whether the words start with a phrase that asks: `give me a list of`, `tell me the place`."""
     return any(
-        terminal in _ASKING and texts[: len(parts)] == [*parts]
+        terminal in _ASKING and texts[: len(parts)] == [*parts] and parts not in _EVERY
         for parts, terminal in phrases().by_first.get(texts[0], ())
     )
 

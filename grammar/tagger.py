@@ -23,6 +23,7 @@ from grammar.words import Word
 
 _LIMITING = frozenset(("always", "only"))
 _INTENSIFIERS = frozenset(("right", "directly", "immediately", "straight"))
+_SEEN = frozenset(("seen", "spotted", "detected", "observed", "recorded", "noticed", "found"))
 _MINE = ("_WHERE", "BE", "SEE", "LEAVE")
 """After these `me` before a noun is said for my."""
 _AREAS = ("room", "area", "house", "place", "location", "spot")
@@ -188,6 +189,10 @@ class Tagger(OpenTagger):
                 return not self.out.tags
             case "any_alone":
                 verbal = any(w.text in AUXILIARIES for w in self.words)
+                return not self.out.tags and not verbal and self._noun_phrase_at(following)
+            case "_SHOW" if said.partition(" ")[0] in _ALL:  # all cups seen: no verb of its own
+                verbs = AUXILIARIES | phrases().verbs - _SEEN
+                verbal = any(w.text in verbs for w in self.words)
                 return not self.out.tags and not verbal and self._noun_phrase_at(following)
             case "_SHOW" if said == "tell me":
                 return not self.out.tags and self._text(following) in _ALL

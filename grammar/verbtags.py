@@ -98,6 +98,10 @@ class VerbTagger(OwnerTagger):
             return False
         if not self.out.tags:
             return False
+        robots = any(t.type == "WHO" and t.value in ("you", "u") for t in self.out.tags)
+        if said in ("use", "used", "using") and robots:
+            self._emit("UNKNOWN", said, size)  # which planner are you using
+            return True
         if terminal == "LEAVE" and self._participle(self.i + size):
             self.i += size
             return True

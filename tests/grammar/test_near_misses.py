@@ -338,3 +338,27 @@ def test_more_ways_to_say_a_relation(text: str, kind: str) -> None:
 def test_where_things_ought_to_go_and_how_they_are_is_refused(text: str) -> None:
     with pytest.raises(OutOfScope):
         parse(text, now=NOW)
+
+
+@pytest.mark.parametrize(
+    ("said", "ask"),
+    [
+        ("all things on the shelf between 9:00 and 9:30", "what"),
+        ("every jar seen in the lab today", "what"),
+        ("list every jar seen in the lab today", "what"),
+        ("all my jars are gone", "where"),
+        ("total number of jars in the attic", "count"),
+        ("timestamp of the first detection of the jar", "when"),
+        ("get the last known pose of the jar", "where"),
+        ("mr robot where did daddy put my jar", "where"),
+        ("i can't for the life of me find my jar", "where"),
+    ],
+)
+def test_what_a_short_request_asks(said: str, ask: str) -> None:
+    assert parse(said, now=NOW).ask == ask
+
+
+def test_what_the_robot_uses_is_its_own_doing() -> None:
+    with pytest.raises(OutOfScope):
+        parse("which slam algorithm are you using", now=NOW)
+    assert parse("which jar did i use last", now=NOW).select == "last"
