@@ -42,7 +42,7 @@ def keep_present(run: Run, step: KeepPresent) -> None:
     kept = [at_its_newest(moment, table, newest) for moment in kept]
     if step.anywhere:
         alike = _Alike(table, kept, before)  # the newest place counts
-        kept = [moment for moment in kept if not alike.seen_since(moment, ())]
+        kept = [moment for moment in kept if not alike.seen_since(moment)]
     else:
         kept = _doubted(run, term, table, kept, before)
     if run.moments is not None:
@@ -69,12 +69,12 @@ class _Alike:
         names = self._others(moment, besides)
         return [self._newest[n] for n in names if self._first[n].start_ms > moment.end_ms]
 
-    def seen_since(self, moment: Moment, besides: Collection[str]) -> list[Sighting]:
+    def seen_since(self, moment: Moment) -> list[Sighting]:
         """Return those that were seen after the moment, and never in one round with its thing."""
         mine = self._shown[moment.figure.sighting.object_id]
         return [
             self._newest[name]
-            for name in self._others(moment, besides)
+            for name in self._others(moment, ())
             if self._newest[name].start_ms > moment.end_ms and self._shown[name].isdisjoint(mine)
         ]
 
@@ -102,10 +102,10 @@ def _doubted(
         run.doubted = [
             moment
             for moment in kept
-            if moment.figure.sighting.object_id not in stay and alike.seen_since(moment, here)
+            if moment.figure.sighting.object_id not in stay and alike.seen_since(moment)
         ]
         return [moment for moment in kept if moment not in run.doubted] or kept
-    doubts = [[*alike.turned_up(m, here), *alike.seen_since(m, here)] for m in kept]
+    doubts = [[*alike.turned_up(m, here), *alike.seen_since(m)] for m in kept]
     if doubts and all(doubts):
         best = max((s for each in doubts for s in each), key=lambda s: (s.end_ms, s.object_id))
         run.otherwise = single(table, best)

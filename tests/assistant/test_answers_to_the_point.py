@@ -315,3 +315,12 @@ def test_a_denial_that_is_right_has_the_status_of_nothing_found(home: Home) -> N
         answer = answered(home, question)
         assert answer.answer.startswith("That is right:"), question
         assert (answer.status, answer.keyframes) == ("not_found", ())
+
+
+def test_of_what_may_be_one_thing_the_newest_place_is_listed(home: Home) -> None:
+    for name, minute, x in (("old", 0, 1), ("new", 150, 1.5)):
+        home.thing(name, "bowl")
+        home.seen(name, minute, at=(x, 2, 1))
+    answer = answered(home, "What is in the kitchen?")
+    assert [k.object_id for k in answer.keyframes] == ["new"]
+    assert answer.answer.endswith("A bowl that I saw there may be elsewhere by now.")
