@@ -23,12 +23,13 @@ def tellings(related: Related, figure: Found, ground: Found) -> list[tuple[Link,
 
     What stood together is told by each sighting of either at which the other was not seen.
     """
-    standing = Standing(figure, ground)
+    likely = np.flatnonzero(related.probability >= HOLDS).tolist()  # False for NaN
+    held = [(related.links[row], float(related.probability[row])) for row in likely]
+    standing = Standing(figure, ground, [link for link, _ in held if link.standing is not None])
     out: list[tuple[Link, float]] = []
-    for link, p in zip(related.links, related.probability.tolist(), strict=True):
-        if p >= HOLDS:  # False for NaN
-            told = (link,) if link.standing is None else standing.told(link)
-            out += [(one, p) for one in told]
+    for link, p in held:
+        told = (link,) if link.standing is None else standing.told(link)
+        out += [(one, p) for one in told]
     return out
 
 
@@ -119,7 +120,7 @@ class _AtOnce:
 
     def __init__(self, figure: Found, grounds: Sequence[Found]) -> None:
         self._tables = figure, grounds[0], grounds[-1]
-        self._seen = [Timeline(table) for table in self._tables]
+        self._seen = [Timeline(table, table.stays) for table in self._tables]
         self._told: dict[tuple[StayKey, ...], list[tuple[int, int]]] = {}
 
     def seen(self, links: tuple[Link, Link], probability: float) -> Moment:

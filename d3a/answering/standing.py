@@ -7,7 +7,7 @@ a thing that is seen again at its place was there in between.
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Sequence
+from collections.abc import Container, Sequence
 from operator import attrgetter
 from typing import NamedTuple
 
@@ -67,11 +67,12 @@ def stood_together(
 
 
 class Timeline:
-    """All that is known to have been seen at each stay, whether it was asked for or not."""
+    """All that is known to have been seen at some stays, whether it was asked for or not."""
 
-    def __init__(self, found: Found) -> None:
+    def __init__(self, found: Found, stays: Container[StayKey]) -> None:
         self._seen: dict[StayKey, list[Sighting]] = {}
-        for sighting in sorted((*found.sightings, *found.elsewhere), key=BY_START):
+        known = (s for some in (found.sightings, found.elsewhere) for s in some if s.stay in stays)
+        for sighting in sorted(known, key=BY_START):
             self._seen.setdefault(sighting.stay, []).append(sighting)
         self._begins = {stay: [s.start_ms for s in seen] for stay, seen in self._seen.items()}
         self._hidden = _hidden(found)
@@ -93,10 +94,15 @@ class Timeline:
 
 
 class Standing:
-    """What tells of two that stood at their places at one time: each sighting of either then."""
+    """What tells of two that stood at their places at one time: each sighting of either then.
 
-    def __init__(self, figure: Found, ground: Found) -> None:
-        self._figure, self._ground = Timeline(figure), Timeline(ground)
+    links: of which it is asked.
+    """
+
+    def __init__(self, figure: Found, ground: Found, links: Sequence[Link]) -> None:
+        if links:  # most relations are told by frames alone
+            self._figure = Timeline(figure, {link.figure for link in links})
+            self._ground = Timeline(ground, {link.ground for link in links})
 
     def told(self, link: Link) -> list[Link]:
         """Return the link for each sighting that was asked for and is within its time, by start.
