@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from d3a.answering.linked import Link
 from d3a.answering.moments import Found, positions
-from d3a.answering.pairs import Floats
+from d3a.answering.pairs import SAME_SPOT_M, Floats
 from d3a.store.base import Sighting, StayKey
 
 Rows = NDArray[np.intp]
@@ -152,8 +152,9 @@ def within_reach(here: Floats, there: Floats, reach_m: float) -> tuple[Rows, Row
     """Return the rows of places (n, 3) and (m, 3) that are within reach of each other, by row."""
     order = np.argsort(there[:, 0], kind="stable")
     along = there[order, 0]
-    low = np.searchsorted(along, here[:, 0] - reach_m)
-    counts = np.searchsorted(along, here[:, 0] + reach_m, side="right") - low
+    strip_m = reach_m + SAME_SPOT_M  # rounding leaves none out: the distance decides, either way
+    low = np.searchsorted(along, here[:, 0] - strip_m)
+    counts = np.searchsorted(along, here[:, 0] + strip_m, side="right") - low
     row = np.repeat(np.arange(len(here)), counts)
     column = order[np.repeat(low - np.cumsum(counts) + counts, counts) + np.arange(len(row))]
     away = there[column] - here[row]
