@@ -6,15 +6,16 @@ at both ends. Every write is an absolute put or a removal, so that a batch may b
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from d3a.model import Json
+from d3a.store.batch import Batch, Expected
 from d3a.store.documents import (
     LEAST_SIGMA_M,
     Apart,
@@ -38,6 +39,7 @@ from d3a.store.errors import (
     StoreRefused,
     StoreUnreachable,
 )
+from d3a.store.spans import SightingKey, Spans
 
 if TYPE_CHECKING:
     from d3a.store.lease import Lease
@@ -57,6 +59,8 @@ __all__ = [
     "RecordingRecord",
     "Region",
     "Sighting",
+    "SightingKey",
+    "Spans",
     "StayKey",
     "StayRecord",
     "Store",
@@ -74,50 +78,6 @@ __all__ = [
 SCHEMA = 1
 FORGOTTEN = "forgotten"
 """Key in the store's meta: how often something was forgotten. Nothing says what."""
-
-
-@dataclass(frozen=True, slots=True)
-class Expected:
-    """What must hold still, None: whatever it is.
-
-    meta: values by key, None for none. recordings: all of them. fence: of the store's lease.
-    """
-
-    meta: Mapping[str, Any] = field(default_factory=dict)
-    recordings: tuple[RecordingRecord, ...] | None = None
-    fence: int | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class Batch:
-    """Writes that become visible together: `Store.apply` returns after the commit.
-
-    Removing an object removes its stays, sightings and encounters; removing a stay its sightings
-    and encounters. Removals happen before puts. meta: JSON values; None removes a key.
-    state: the associator's checkpoint, opaque bytes, None leaves it as it is.
-    expects: what must hold still, else the whole batch is a StoreConflict and nothing is written.
-    A stay needs its object, a sighting its stay, an encounter both stays: in the store or in the
-    batch, else the whole batch is refused. Of two puts of one key the later one counts.
-    """
-
-    objects: Sequence[ObjectRecord] = ()
-    stays: Sequence[StayRecord] = ()
-    sightings: Sequence[Sighting] = ()
-    encounters: Sequence[Encounter] = ()
-    views: Sequence[View] = ()
-    keyframes: Sequence[Keyframe] = ()
-    regions: Sequence[Region] = ()
-    recordings: Sequence[RecordingRecord] = ()
-    removed_objects: Sequence[str] = ()
-    removed_stays: Sequence[StayKey] = ()
-    removed_sightings: Sequence[tuple[str, int, int]] = ()  # object_id, place, start_ms
-    removed_encounters: Sequence[tuple[str, str, int, int, int]] = ()  # a, b, places, start_ms
-    removed_regions: Sequence[str] = ()
-    removed_views: Sequence[tuple[str, str, int]] = ()  # site, recording, start_ms
-    removed_keyframes: Sequence[str] = ()  # by key; none that the batch puts
-    meta: Mapping[str, Any] = field(default_factory=dict)
-    state: bytes | None = None
-    expects: Expected | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -261,6 +221,24 @@ class Store(Protocol):
         """Return sightings by (start, object_id, place) that touch the closed [start, end].
 
         area: where the sighting's stay is. limit: only the first so many.
+        """
+        ...
+
+    def sightings_at(self, keys: Sequence[SightingKey]) -> list[Sighting]:
+        """Return these sightings of those that there are, by (start, object_id, place)."""
+        ...
+
+    def spans(
+        self,
+        object_ids: Sequence[str],
+        *,
+        start_ms: int | None = None,
+        end_ms: int | None = None,
+        limit: int | None = None,
+    ) -> Spans:
+        """Return when objects were seen within the closed [start, end], by (object_id, start, end).
+
+        Of all that they touch; ties by place. limit: only the first so many.
         """
         ...
 

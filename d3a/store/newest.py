@@ -6,7 +6,9 @@ from collections import Counter
 from collections.abc import Sequence
 from typing import Protocol
 
-from d3a.store.base import Sighting, StayKey, StayRecord
+import numpy as np
+
+from d3a.store.base import Sighting, SightingKey, Spans, StayKey, StayRecord
 
 
 class _Reader(Protocol):
@@ -30,6 +32,25 @@ class ByReading:
         """Return these stays of those that there are, by (object_id, place)."""
         wanted = set(keys)
         return [s for s in self.stays(object_ids=sorted({k for k, _ in keys})) if s.key in wanted]
+
+    def sightings_at(self: _Reader, keys: Sequence[SightingKey]) -> list[Sighting]:
+        """Return these sightings of those that there are, by (start, object_id, place)."""
+        wanted = set(keys)
+        found = self.sightings(object_ids=sorted({name for name, *_ in keys}))
+        return [s for s in found if (*s.stay, s.start_ms) in wanted]
+
+    def spans(
+        self: _Reader,
+        object_ids: Sequence[str],
+        *,
+        start_ms: int | None = None,
+        end_ms: int | None = None,
+        limit: int | None = None,
+    ) -> Spans:
+        """Return when objects were seen, see `Store.spans`."""
+        found = self.sightings(object_ids=object_ids, start_ms=start_ms, end_ms=end_ms)
+        every = Spans.of_sightings(object_ids, found)
+        return every if limit is None else every.chosen(np.arange(min(limit, len(every))))
 
     def newest(
         self: _Reader,

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 import sqlite3
 import threading
 import time
@@ -27,6 +26,8 @@ from d3a.store.base import (
     RecordingRecord,
     Region,
     Sighting,
+    SightingKey,
+    Spans,
     StayKey,
     StayRecord,
     StoreBusy,
@@ -46,28 +47,13 @@ from d3a.store.rows import (
     stay_record,
     view_record,
 )
+from d3a.store.sqlite_connection import BUSY_TIMEOUT_S, connect, traced
 from d3a.store.sqlite_dump import Moment
 from d3a.store.sqlite_newest import Newest, StayRows, count_seen
 from d3a.store.sqlite_read import Select
 
-BUSY_TIMEOUT_S = 10.0
 _WHOLE = "BEGIN IMMEDIATE", "COMMIT", "ROLLBACK"
 _PART = "SAVEPOINT part", "RELEASE part", "ROLLBACK TO part"
-
-
-def connect(path: Path, *, read_only: bool) -> sqlite3.Connection:
-    """Connect to an existing file, in autocommit, for any thread; raises sqlite3.Error."""
-    log = path.with_name(path.name + "-wal")
-    mode = "mode=ro" if read_only else "mode=rw"
-    if read_only and not os.access(path.parent, os.W_OK) and not log.exists():
-        mode += "&immutable=1"  # a reader of a log must be able to make the log's index
-    return sqlite3.connect(
-        f"{path.absolute().as_uri()}?{mode}",
-        uri=True,
-        timeout=BUSY_TIMEOUT_S,
-        isolation_level=None,
-        check_same_thread=False,
-    )
 
 
 class SqliteStore:
@@ -191,12 +177,8 @@ class SqliteStore:
             observer = self._observer
             if observer is None:
                 return self._db.execute(text, given).fetchall()
-            plan = self._db.execute(f"EXPLAIN QUERY PLAN {text}", given).fetchall()
-            begun = time.perf_counter()
-            rows = self._db.execute(text, given).fetchall()
-            elapsed_ms = (time.perf_counter() - begun) * 1000
-        said = text + "".join(f"\n  :{name} = {value}" for name, value in given.items())
-        observer(NativeQuery(said, sqlite_read.index_of(plan), len(rows), elapsed_ms))
+            rows, query = traced(self._db, text, given)
+        observer(query)
         return rows
 
     def _select(self, select: Select, limit: int | None = None) -> list[Row]:
@@ -263,6 +245,22 @@ class SqliteStore:
         """Return sightings by (start, object_id, place) that touch the closed [start, end]."""
         select = sqlite_read.sightings(object_ids, area, start_ms, end_ms, trees=self._trees)
         return [sighting_record(row) for row in self._select(select, limit)]
+
+    def sightings_at(self, keys: Sequence[SightingKey]) -> list[Sighting]:
+        """Return these sightings of those that there are, by (start, object_id, place)."""
+        return [sighting_record(row) for row in self._select(sqlite_read.sightings_at({*keys}))]
+
+    def spans(
+        self,
+        object_ids: Sequence[str],
+        *,
+        start_ms: int | None = None,
+        end_ms: int | None = None,
+        limit: int | None = None,
+    ) -> Spans:
+        """Return when objects were seen, see `Store.spans`."""
+        select = sqlite_read.spans(object_ids, start_ms, end_ms)
+        return Spans.of_rows(object_ids, self._select(select, limit))
 
     def newest(
         self,

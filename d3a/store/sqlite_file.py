@@ -10,7 +10,8 @@ from time import monotonic, sleep
 from d3a.store import schema
 from d3a.store.base import StoreDamaged, StoreError, StoreMissing, StoreUnreachable
 from d3a.store.schema import APPLICATION_ID, Migration
-from d3a.store.sqlite import BUSY_TIMEOUT_S, SqliteStore, connect
+from d3a.store.sqlite import SqliteStore
+from d3a.store.sqlite_connection import BUSY_TIMEOUT_S, connect
 from d3a.store.sqlite_errors import begins_as_store
 
 MIGRATIONS: tuple[Migration, ...] = (schema.index_votes, schema.add_apart)

@@ -11,11 +11,11 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from d3a.store.base import Area, StayKey
+from d3a.store.base import Area, SightingKey, StayKey
 from d3a.store.rows import (
     ENCOUNTER_COLUMNS,
     LIGHT_OBJECT_COLUMNS,
@@ -61,7 +61,7 @@ def among(column: str, parameter: str) -> str:
     return f"{column} IN (SELECT value FROM json_each(:{parameter}))"
 
 
-def as_list(ids: Sequence[Any]) -> str:
+def as_list(ids: Collection[Any]) -> str:
     """Return a list as the value of one parameter, however long it is."""
     return json.dumps(list(ids))
 
@@ -224,6 +224,30 @@ def _sightings_in_box(columns: str, order: str, start_ms: int | None, end_ms: in
         select.where(f"t1 >= (:start_ms - {base}) / 1000.0")
     if end_ms is not None:
         select.where(f"t0 <= (:end_ms - {base}) / 1000.0")
+    return select
+
+
+def spans(object_ids: Sequence[str], start_ms: int | None, end_ms: int | None) -> Select:
+    """Return the query of `Store.spans`: from an index alone, in its order."""
+    order = "s.object_id, s.start_ms, s.end_ms, s.place"
+    columns = "s.object_id, s.start_ms, s.end_ms, s.place"
+    select = Select(columns, "sighting s INDEXED BY sighting_object_start", order)
+    select.where(among("s.object_id", "ids"), ids=as_list(object_ids))
+    touching(select, "s", "max_sighting_ms", start_ms, end_ms)
+    return select
+
+
+def sightings_at(keys: Collection[SightingKey]) -> Select:
+    """Return the query of `Store.sightings_at`: keys, none twice."""
+    source = (
+        "json_each(:keys) j CROSS JOIN stc p "
+        "ON p.object_id = json_extract(j.value, '$[0]') AND p.place = json_extract(j.value, '$[1]')"
+        " CROSS JOIN sighting s "
+        "ON s.stay_id = p.stay_id AND s.start_ms = json_extract(j.value, '$[2]')"
+    )
+    order = "s.start_ms, s.object_id, s.place"
+    select = Select(columns_of("s", SIGHTING_COLUMNS), source, order)
+    select.parameters["keys"] = as_list(keys)
     return select
 
 

@@ -196,14 +196,14 @@ class Noted(OracleStore):
     def __init__(self) -> None:
         super().__init__()
         self.from_ms: list[int | None] = []
-        self.spans: list[tuple[int | None, int | None]] = []
+        self.asked_of: list[tuple[int | None, int | None]] = []
 
     def sightings(self, **asked: Any) -> list[Sighting]:
         self.from_ms.append(asked.get("start_ms"))
         return super().sightings(**asked)
 
     def encounters(self, **asked: Any) -> list[Encounter]:
-        self.spans.append((asked["start_ms"], asked["end_ms"]))
+        self.asked_of.append((asked["start_ms"], asked["end_ms"]))
         return super().encounters(**asked)
 
 
@@ -271,7 +271,7 @@ def test_shared_frames_are_read_where_both_things_were_seen(at: float, found: bo
     store = Noted()
     home.into(store)
     assert (told(store, "Did you see a bowl with a cup?").status == "found") == found
-    assert store.spans == [(ms(NOON) - 40 * MIN, ms(NOON) - 35 * MIN)]
+    assert store.asked_of == [(ms(NOON) - 40 * MIN, ms(NOON) - 35 * MIN)]
 
 
 def test_parts_of_an_interval_are_joined_in_any_order() -> None:

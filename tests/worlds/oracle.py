@@ -25,6 +25,8 @@ from d3a.store.base import (
     RecordingRecord,
     Region,
     Sighting,
+    SightingKey,
+    Spans,
     StayKey,
     StayRecord,
     TaughtName,
@@ -220,6 +222,25 @@ class OracleStore:
             and touches(record.start_ms, record.end_ms, start_ms, end_ms)
         ]
         return sorted(found, key=lambda r: (r.start_ms, *r.stay))[:limit]
+
+    def sightings_at(self, keys: Sequence[SightingKey]) -> list[Sighting]:
+        found = [self._sightings[key] for key in set(keys) if key in self._sightings]
+        return sorted(found, key=lambda s: (s.start_ms, s.object_id, s.place))
+
+    def spans(
+        self,
+        object_ids: Sequence[str],
+        *,
+        start_ms: int | None = None,
+        end_ms: int | None = None,
+        limit: int | None = None,
+    ) -> Spans:
+        rows = sorted(
+            (name, start, s.end_ms, place)
+            for (name, place, start), s in self._sightings.items()
+            if name in object_ids and touches(start, s.end_ms, start_ms, end_ms)
+        )
+        return Spans.of_rows(object_ids, rows[:limit])
 
     def newest(
         self,

@@ -1,0 +1,59 @@
+"""When objects were seen, as columns: what numbers and choices need of thousands of sightings."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from d3a.store.documents import Sighting
+
+SightingKey = tuple[str, int, int]
+"""(object_id, place, start_ms): one sighting."""
+Ints = NDArray[np.int64]
+
+
+@dataclass(frozen=True, slots=True)
+class Spans:
+    """Sightings without their pictures, by (object_id, start, end, place).
+
+    ids: the objects that were asked for, sorted, none twice. of, place, start_ms, end_ms (n,): the
+    number of a sighting's object among `ids`, its place, and its closed interval.
+    """
+
+    ids: tuple[str, ...]
+    of: Ints
+    place: Ints
+    start_ms: Ints
+    end_ms: Ints
+
+    @classmethod
+    def of_rows(cls, object_ids: Sequence[str], rows: Sequence[tuple[str, int, int, int]]) -> Spans:
+        """Return rows of (object_id, start, end, place) as columns."""
+        ids = tuple(sorted({*object_ids}))
+        number = {name: n for n, name in enumerate(ids)}
+        names, *columns = zip(*rows, strict=True) if rows else ((), (), (), ())
+        start, end, place = (np.array(column, dtype=np.int64) for column in columns)
+        return cls(ids, np.array([number[name] for name in names], np.int64), place, start, end)
+
+    @classmethod
+    def of_sightings(cls, object_ids: Sequence[str], sightings: Sequence[Sighting]) -> Spans:
+        """Return the columns of sightings that were read."""
+        rows = sorted((s.object_id, s.start_ms, s.end_ms, s.place) for s in sightings)
+        return cls.of_rows(object_ids, rows)
+
+    def __len__(self) -> int:
+        """Return how many sightings there are."""
+        return len(self.of)
+
+    def chosen(self, rows: NDArray[np.bool_] | NDArray[np.intp]) -> Spans:
+        """Return some of the rows, in their order."""
+        columns = (self.of, self.place, self.start_ms, self.end_ms)
+        return Spans(self.ids, *(column[rows] for column in columns))
+
+    def keys(self) -> list[SightingKey]:
+        """Return which sightings these are."""
+        rows = zip(self.of.tolist(), self.place.tolist(), self.start_ms.tolist(), strict=True)
+        return [(self.ids[of], place, start) for of, place, start in rows]
