@@ -25,10 +25,11 @@ from d3a.answering.changes import missing, moved, often, usual
 from d3a.answering.conclude import conclude
 from d3a.answering.facts import Facts
 from d3a.answering.lookalikes import later_names
+from d3a.answering.many import find_many
 from d3a.answering.match import Candidate, Lexicon, in_room, rungs, said_alone, unheard
 from d3a.answering.miscalled import without_miscalled
 from d3a.answering.moments import Found
-from d3a.answering.places import last_look, probability_inside
+from d3a.answering.places import newest_look, probability_inside
 from d3a.answering.presence import keep_present
 from d3a.answering.relating import gather, relate_found
 from d3a.answering.run import Run, milliseconds
@@ -267,8 +268,8 @@ def _find_sightings(run: Run, step: FindSightings) -> None:
         return
     if step.select is not None and step.var not in run.rooms:
         find_bounded(run, step)
-        return
-    find_joined(run, step)
+    elif not find_many(run, step):
+        find_joined(run, step)
 
 
 def _find_edge(run: Run, step: FindEdge) -> None:
@@ -365,4 +366,4 @@ def _cover(run: Run, step: Cover) -> None:
     if region is None:
         run.last_looked_ms = run.facts.last_view_ms()
     else:
-        run.last_looked_ms = last_look(run.store.views(), region)
+        run.last_looked_ms = newest_look(run.store, region, run.facts.last_view_ms())

@@ -111,7 +111,7 @@ def keep_since(run: Run, tables: Sequence[Found]) -> None:
 
 def _tiers(table: Found, shares: tuple[float, ...]) -> list[list[str]]:
     """Return the ids by worth: at least so large a share of the best's; the last take the rest."""
-    worth = {name: _worth(table.candidates[name]) for name in table.ids}
+    worth = {name: worth_of(table.candidates[name]) for name in table.ids}
     best = max(worth.values(), default=0.0)
     tiers: list[list[str]] = [[] for _ in (*shares, 0.0)]
     place_of = {value: sum(value < share * best for share in shares) for value in {*worth.values()}}
@@ -120,7 +120,7 @@ def _tiers(table: Found, shares: tuple[float, ...]) -> list[list[str]]:
     return tiers
 
 
-def _worth(candidate: Candidate) -> float:
+def worth_of(candidate: Candidate) -> float:
     """Return the part of a moment's score that its object alone decides."""
     told = candidate.match
     if candidate.attributes:  # of thousands of things most are asked without

@@ -2,19 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Self
 
+import numpy as np
+from numpy.typing import NDArray
+
+from d3a.answering import columns
+from d3a.answering.bounded import READ_A_KEYFRAME, worth_of
 from d3a.answering.departures import Left, Looks, share_left
-from d3a.answering.distinct import may_be_one, rounds
-from d3a.answering.moments import Found, Moment, changes_of_place, entry_of, single, total_ms
+from d3a.answering.distinct import rounds
+from d3a.answering.many import asked_region, place_stays, spans_asked
+from d3a.answering.moments import Found, Moment, changes_of_place, entry_of, joined, single
 from d3a.answering.run import Run, milliseconds
 from d3a.answering.steps import KeepMissing, KeepMoved, KeepOften, KeepUsual
-from d3a.store.base import Sighting, StayKey
+from d3a.store.base import Sighting, SightingKey, Spans, StayKey, StayRecord
 
 LEAST_STAY_MS = 1_000
 """A look in passing still says that the thing was there: it counts as this long."""
+MOST_MOVES = 500
+"""Changes of place that are told apart at most, the newest."""
 LEAST_LEFT = 0.5
 """A thing went missing in a slice where that is more likely than not."""
 
@@ -55,24 +63,65 @@ def moved(run: Run, step: KeepMoved) -> list[Moment]:
     Of an asked room or relation: what came into it or left it, or moved within.
     """
     found, when = run.found[step.var], Slice.of(step)
+    if step.var in run.spans:
+        return [_move(found, when, *pair) for pair in _newest_moves(run, step, when)]
     everywhere = run.before_place.get(step.var) or run.before_relation.get(step.var)
     out: list[Moment] = []
     inside = {s.stay for s in found.sightings}
     for sightings in by_object(found.sightings if everywhere is None else everywhere).values():
         for before, after in changes_of_place(sightings):
             if when.holds(after.start_ms) and not inside.isdisjoint((before.stay, after.stay)):
-                stay = found.stays.get(after.stay)
-                linked = stay.moved_from if stay is not None else None
-                sure = linked[1] if linked is not None and linked[0] == before.place else 0.5
-                share = _share_within(when, before.end_ms, after.start_ms)
-                place = max(found.place.get(s.stay, 1.0) for s in (before, after))
-                held = max(found.held.get(s.stay, 1.0) for s in (before, after))
-                entry = entry_of(found, after)._replace(place=place, held=held)
-                relation = max(0.0, min(1.0, sure))
-                span = (after.start_ms, after.end_ms)
-                within = None if share == 1.0 else share
-                out.append(Moment((entry,), *span, relation=relation, share=within))
+                out.append(_move(found, when, before, after))
     return out
+
+
+def _move(found: Found, when: Slice, before: Sighting, after: Sighting) -> Moment:
+    """Return the moment of a change of place, with how sure it is."""
+    stay = found.stays.get(after.stay)
+    linked = stay.moved_from if stay is not None else None
+    sure = linked[1] if linked is not None and linked[0] == before.place else 0.5
+    share = _share_within(when, before.end_ms, after.start_ms)
+    place = max(found.place.get(s.stay, 1.0) for s in (before, after))
+    held = max(found.held.get(s.stay, 1.0) for s in (before, after))
+    entry = entry_of(found, after)._replace(place=place, held=held)
+    sure = max(0.0, min(1.0, sure))
+    within = None if share == 1.0 else share
+    return Moment((entry,), after.start_ms, after.end_ms, relation=sure, share=within)
+
+
+def _newest_moves(run: Run, step: KeepMoved, when: Slice) -> list[tuple[Sighting, Sighting]]:
+    """Return the newest changes of place within the slice, of too many to be read all."""
+    found, spans = run.found[step.var], run.spans.pop(step.var)
+    begins = columns.lasts(columns.parts(spans), [-spans.start_ms])
+    begins = begins[np.lexsort((spans.place[begins], spans.start_ms[begins], spans.of[begins]))]
+    every, spans = spans, spans.chosen(begins)
+    changed = (np.diff(spans.of) == 0) & (np.diff(spans.place) != 0)
+    after = np.flatnonzero(changed) + 1
+    after = after[[when.holds(ms) for ms in spans.start_ms[after].tolist()]]
+    if asked_region(run, step.var) is not None:
+        inside = set(spans_asked(run, step.var).stays())
+        stays = spans.stays()
+        after = after[[not inside.isdisjoint(stays[row - 1 : row + 1]) for row in after.tolist()]]
+    run.counted = len(np.unique(spans.of[after]))
+    newest = after[np.argsort(-spans.start_ms[after], kind="stable")][:MOST_MOVES]
+    run.cut = run.cut or len(newest) < len(after)
+    rows = columns.whole(every, begins[np.concatenate([newest - 1, newest])])
+    if not len(after):  # then it is told what was seen of them
+        every = spans_asked(run, step.var)
+        rows = np.arange(len(every))
+    found.sightings = joined(run.store.sightings_at(every.chosen(rows).which()))
+    found.stays = run.facts.stays_of(found.sightings)
+    place_stays(run, step.var)
+    starting = by_object(found.sightings)
+    pairs = zip(spans.chosen(newest - 1).which(), spans.chosen(newest).which(), strict=True)
+    return [(_holding(starting, before), _holding(starting, later)) for before, later in pairs]
+
+
+def _holding(sightings: Mapping[str, Sequence[Sighting]], key: SightingKey) -> Sighting:
+    """Return the sighting of an object that another was joined to; by object, by start."""
+    name, place, start_ms = key
+    there = [s for s in sightings[name] if s.place == place and s.start_ms <= start_ms]
+    return there[-1]
 
 
 def _share_within(when: Slice, start_ms: int, end_ms: int) -> float:
@@ -91,7 +140,7 @@ def missing(run: Run, step: KeepMissing) -> list[Moment]:
     `share_left`, which is asked where the last sighting or the look without it lies outside.
     """
     found, when = run.found[step.var], Slice.of(step)
-    gone = left_places(found)
+    gone = left_places(run, step.var)
     settled = {
         one.stay.key for one in gone if when.holds(one.last_ms) and when.holds(one.absent_ms)
     }
@@ -114,24 +163,68 @@ def missing(run: Run, step: KeepMissing) -> list[Moment]:
     return out
 
 
-def left_places(found: Found) -> list[Left]:
+def left_places(run: Run, var: str) -> list[Left]:
     """Return what was last seen at a place that was then seen without it, by object."""
+    found = run.found[var]
+    if var in run.newest_alone or var in run.spans:
+        return _many_left(run, var)
     objects = by_object(found.sightings)
+    last = [max(sightings, key=lambda s: (s.end_ms, s.start_ms)) for sightings in objects.values()]
+    first = {name: sightings[0].start_ms for name, sightings in objects.items()}
+    return [
+        Left([s for s in objects[last.object_id] if s.stay == last.stay], stay, absent)
+        for last, stay, absent in _gone(found, last, first)
+    ]
+
+
+def _gone(
+    found: Found, last: Sequence[Sighting], first_ms: Mapping[str, int]
+) -> list[tuple[Sighting, StayRecord, int]]:
+    """Return the last sightings of things whose places were seen without them later, and when.
+
+    first_ms: when things were seen first: where one of its category was so later, it may be that.
+    """
     newest: dict[str, int] = {}
-    for name, sightings in objects.items():
+    for name, start_ms in first_ms.items():
         category = found.candidates[name].record.category
-        newest[category] = max(newest.get(category, 0), sightings[0].start_ms)
-    out: list[Left] = []
-    for name, sightings in objects.items():
-        last = max(sightings, key=lambda s: (s.end_ms, s.start_ms))
-        stay = found.stays.get(last.stay)
+        newest[category] = max(newest.get(category, 0), start_ms)
+    out: list[tuple[Sighting, StayRecord, int]] = []
+    for sighting in last:
+        stay = found.stays.get(sighting.stay)
         absent = stay.last_absent_ms if stay is not None else None
-        if newest[found.candidates[name].record.category] > last.end_ms:
-            continue
-        if stay is not None and absent is not None and absent > last.end_ms:
-            there = [s for s in sightings if s.stay == last.stay]
-            out.append(Left(there, stay, absent))
+        kind = found.candidates[sighting.object_id].record.category
+        known = stay is not None and absent is not None and absent > sighting.end_ms
+        if known and newest.get(kind, 0) <= sighting.end_ms:
+            assert stay is not None
+            assert absent is not None
+            out.append((sighting, stay, absent))
     return out
+
+
+def _many_left(run: Run, var: str) -> list[Left]:
+    """Return what left its place, where too much was seen to read it all."""
+    found, spans = run.found[var], run.spans.pop(var, None)
+    if spans is None:  # each object's newest sighting was found
+        likely = {s.object_id for s, *_ in _gone(found, found.sightings, {})}
+        kinds = {found.candidates[name].record.category for name in likely}
+        ids = [name for name in found.ids if found.candidates[name].record.category in kinds]
+        first = {s.object_id: s.start_ms for s in run.store.edges(ids, "first")}
+        newest = found.sightings
+    else:
+        rows = columns.lasts(spans.of, [spans.end_ms, spans.start_ms])
+        newest = run.store.sightings_at(spans.chosen(rows).which())
+        found.sightings, found.stays = newest, run.facts.stays_of(newest)
+        place_stays(run, var)
+        of, begins = np.unique(spans.of, return_index=True)
+        starts = spans.start_ms[begins].tolist()
+        first = {spans.ids[n]: start for n, start in zip(of.tolist(), starts, strict=True)}
+    gone = _gone(found, newest, first)
+    there: dict[StayKey, list[Sighting]] = {last.stay: [] for last, *_ in gone}
+    every = run.store.spans([last.object_id for last, *_ in gone])
+    keys = [key for key in every.which() if key[:2] in there]
+    for sighting in run.store.sightings_at(keys):
+        there[sighting.stay].append(sighting)
+    return [Left(there[last.stay], stay, absent) for last, stay, absent in gone]
 
 
 def usual(run: Run, step: KeepUsual) -> list[Moment]:
@@ -142,38 +235,69 @@ def usual(run: Run, step: KeepUsual) -> list[Moment]:
     share of all the time that it was seen anywhere.
     """
     found, when = run.found[step.var], Slice.of(step)
-    out: list[Moment] = []
-    anywhere = run.before_place.get(step.var) or run.before_relation.get(step.var)
-    if anywhere is None or run.query.ask != "whether":
-        anywhere = found.sightings
-    seen = [s for s in anywhere if when.holds(s.start_ms) or when.holds(s.end_ms)]
-    objects = by_object(seen)
-    for name, theirs in by_object(found.sightings).items():
-        inside = objects.get(name, [])
-        there = {sighting.stay for sighting in theirs}
-        kind = found.candidates[name].record.category
-        others = [
-            theirs
-            for other, theirs in objects.items()
-            if other != name
-            and found.candidates[other].record.category == kind
-            and may_be_one([*inside, *theirs])
-        ]
-        spans: dict[StayKey, list[tuple[int, int]]] = {}
-        newest: dict[StayKey, Sighting] = {}
-        for sighting in inside:
-            spans.setdefault(sighting.stay, []).append(_span(sighting))
-            newest[sighting.stay] = sighting
-        lengths = {stay: total_ms(parts) for stay, parts in spans.items()}
-        total = sum(lengths.values())
-        total += sum(total_ms(_span(s) for s in theirs) for theirs in others)
-        for stay, sighting in newest.items():
-            if stay not in there:
-                continue
-            entry = entry_of(found, sighting)
-            share = lengths[stay] / total
-            out.append(Moment((entry,), sighting.start_ms, sighting.end_ms, share=share))
-    return out
+    many = step.var in run.spans
+    spans, there = _anywhere(run, step.var)
+    ends = zip(*(each.tolist() for each in columns.occasions(spans)), strict=True)
+    held = np.array([when.holds(start) or when.holds(end) for start, end in ends], dtype=np.bool_)
+    spans = spans.chosen(held[columns.parts(spans)])
+    stay = columns.stay_of(spans)
+    newest = columns.lasts(stay, [spans.start_ms])
+    share = _shares(found, spans, stay)
+    if there is not None:
+        asked = [key in there for key in spans.chosen(newest).stays()]
+        newest, share = newest[asked], share[asked]
+    if many:
+        run.counted = len(np.unique(spans.of[newest]))
+        worth = np.array([worth_of(found.candidates[name]) for name in spans.ids])
+        best = np.argsort(-share * worth[spans.of[newest]], kind="stable")
+        best = best[: READ_A_KEYFRAME * run.limit]
+        run.cut = run.cut or len(best) < len(newest)
+        newest, share = newest[best], share[best]
+        rows = columns.whole(spans, newest)
+        found.sightings = joined(run.store.sightings_at(spans.chosen(rows).which()))
+        found.stays = run.facts.stays_of(found.sightings)
+        place_stays(run, step.var)
+    starting = by_object(found.sightings)
+    told = zip(spans.chosen(newest).which(), share.tolist(), strict=True)
+    return [single(found, _holding(starting, key))._replace(share=part) for key, part in told]
+
+
+def _anywhere(run: Run, var: str) -> tuple[Spans, set[StayKey] | None]:
+    """Return when the objects of a variable were seen, and where of that is asked; None: all.
+
+    Whether something is usually somewhere is judged by all the time that it was seen anywhere.
+    """
+    found, whether = run.found[var], run.query.ask == "whether"
+    many = run.spans.pop(var, None)
+    if many is not None:
+        placed = whether and asked_region(run, var) is not None
+        return (run.facts.spans(found.ids, None, None), {*many.stays()}) if placed else (many, None)
+    anywhere = run.before_place.get(var) or run.before_relation.get(var)
+    if anywhere is None or not whether:
+        return Spans.of_sightings(found.ids, found.sightings), None
+    return Spans.of_sightings(found.ids, anywhere), {s.stay for s in found.sightings}
+
+
+def _shares(found: Found, spans: Spans, stay: NDArray[np.int64]) -> NDArray[np.float64]:
+    """Return the share of its object's time that each stay has (stays,), in their order."""
+    end = np.maximum(spans.end_ms, spans.start_ms + LEAST_STAY_MS)
+    of_stay = np.zeros(int(stay.max(initial=-1)) + 1, dtype=np.int64)
+    of_stay[stay] = spans.of
+    lengths = columns.covered_ms(stay, spans.start_ms, end, len(of_stay))
+    own = np.bincount(of_stay, lengths, minlength=len(spans.ids))
+    seen = columns.covered_ms(spans.of, spans.start_ms, end, len(spans.ids))
+    kinds: dict[str, list[int]] = {}
+    for number, name in enumerate(spans.ids):
+        kinds.setdefault(found.candidates[name].record.category, []).append(number)
+    total = own.copy()
+    place = np.zeros(len(spans.ids), dtype=np.int64)
+    for numbers in kinds.values():
+        place[numbers] = np.arange(len(numbers))
+        rows = np.isin(spans.of, numbers)
+        of = place[spans.of[rows]]
+        both = columns.met(of, spans.start_ms[rows], spans.end_ms[rows], len(numbers))
+        total[numbers] += ~both @ seen[numbers]
+    return np.asarray(lengths / total[of_stay])
 
 
 def often(run: Run, step: KeepOften) -> list[Moment]:
@@ -213,7 +337,3 @@ def _looks_at(looks: Sequence[tuple[int, int]], moment: Moment) -> list[int]:
     apart = [max(start - moment.end_ms, moment.start_ms - end, 0) for start, end in looks]
     nearest = min(apart)
     return [number for number, away in enumerate(apart) if away == nearest]
-
-
-def _span(sighting: Sighting) -> tuple[int, int]:
-    return (sighting.start_ms, max(sighting.end_ms, sighting.start_ms + LEAST_STAY_MS))

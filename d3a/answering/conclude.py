@@ -6,7 +6,10 @@ from collections.abc import Sequence
 from dataclasses import replace
 from datetime import datetime, timedelta
 
+import numpy as np
+
 from d3a.answer import Answer, RankedKeyframe
+from d3a.answering import columns
 from d3a.answering.distinct import least_number
 from d3a.answering.moments import Entry, merged, single, total_ms
 from d3a.answering.run import Run, milliseconds
@@ -14,7 +17,7 @@ from d3a.answering.steps import FindObjects, FindStretches
 from d3a.frozen import maker
 from d3a.model import Json
 from d3a.rank import entry_score, is_tentative
-from d3a.store.base import Sighting
+from d3a.store.base import Sighting, Spans
 from grammar.forms import VARIABLES, TimeSlice
 
 _ranked_keyframe = maker(RankedKeyframe)
@@ -29,12 +32,13 @@ def conclude(run: Run, limit: int) -> Answer:
     moments = run.standing(one.moment for one in run.ranked)
     objects = {e.sighting.object_id for moment in moments for e in moment.entries[: run.figures]}
     least = least_of(run) or run.surely
+    every = {spans.ids[of] for spans in run.spans.values() for of in np.unique(spans.of).tolist()}
     return Answer(
         text=run.query.text,
         status=run.status,
         reason=run.reason,
         query=run.query,
-        count=max(len(objects), run.counted),
+        count=max(len(objects), len(every), run.counted),
         value=_value(run, least, stayed),
         least=least,
         amounts=_amounts(run),
@@ -191,6 +195,8 @@ def least_of(run: Run) -> int:
 
     What was seen too seldom to be confirmed may be a mistake: it is one at least where all is so.
     """
+    if run.spans:
+        return sum(_least_of_many(run, var, spans) for var, spans in run.spans.items())
     moments = run.standing(one.moment for one in run.ranked)
     entries = [entry for moment in moments for entry in moment.entries[: run.figures]]
     return _least(entries) or min(len(entries), 1)
@@ -211,6 +217,10 @@ def _amounts(run: Run) -> tuple[tuple[int, int], ...]:
     entries = [m.figure for m in run.standing(one.moment for one in run.ranked)]
     out: list[tuple[int, int]] = []
     for term in run.query.objects:
+        if term.var in run.spans:
+            spans = run.spans[term.var]
+            out.append((_least_of_many(run, term.var, spans), len(np.unique(spans.of))))
+            continue
         own = run.found[term.var].candidates
         its = [entry for entry in entries if own.get(entry.sighting.object_id) is entry.candidate]
         out.append((_least(its), len({entry.sighting.object_id for entry in its})))
@@ -247,8 +257,14 @@ def _span(run: Run, span: tuple[int, int]) -> tuple[datetime, datetime]:
 
 def _in_view_ms(run: Run) -> int:
     """Return for how long it was seen to be so, in the asked slice."""
-    spans = [(one.moment.start_ms, one.moment.end_ms) for one in run.ranked]
-    return total_ms(_clipped(run, spans))
+    if not run.spans:
+        return total_ms(_clipped(run, [(m.start_ms, m.end_ms) for m, *_ in run.ranked]))
+    low, high = _asked_span(run)
+    seen = [columns.occasions(spans) for spans in run.spans.values()]
+    start, end = (np.concatenate(each) for each in zip(*seen, strict=True))
+    start = start if low is None else np.maximum(start, low)
+    end = end if high is None else np.minimum(end, high)
+    return int(columns.covered_ms(np.zeros_like(start), start, end, 1)[0])
 
 
 def _value(run: Run, least: int, stayed: Sequence[tuple[int, int]]) -> float | None:
@@ -259,23 +275,42 @@ def _value(run: Run, least: int, stayed: Sequence[tuple[int, int]]) -> float | N
     if run.query.ask == "count":
         return float(least if run.figures == 1 else run.figures)
     if run.query.ask == "how_often":
-        return float(len(run.ranked))
+        return float(
+            sum(len(columns.occasions(s)[0]) for s in run.spans.values()) or len(run.ranked)
+        )
     if run.query.ask == "how_long":
         return (total_ms(stayed) if stayed else _in_view_ms(run)) / 1000
     return None
 
 
+def _least_of_many(run: Run, var: str, spans: Spans) -> int:
+    """Return how many objects must be different things, over their categories; see `least_of`."""
+    candidates = run.found[var].candidates
+    kinds = [candidates[name].record.category for name in spans.ids]
+    number = {kind: n for n, kind in enumerate(dict.fromkeys(kinds))}
+    kind_of = np.array([number[kind] for kind in kinds], dtype=np.int64)[spans.of]
+    sure = ~np.array([candidates[name].record.tentative for name in spans.ids])[spans.of]
+    parts = (spans.chosen((kind_of == n) & sure) for n in number.values())
+    least = sum(columns.least_number(part.of, part.start_ms, part.end_ms) for part in parts)
+    return least or min(len(spans), 1)
+
+
 def _clipped(run: Run, spans: Sequence[tuple[int, int]]) -> list[tuple[int, int]]:
     """Return the intervals inside of the asked slice."""
-    time = run.query.time
-    if time is None or time.is_point:  # how long around that moment
-        time = TimeSlice()
-    low, high = milliseconds(time.start), milliseconds(time.end)
+    low, high = _asked_span(run)
     return [
         (start if low is None else max(start, low), end if high is None else min(end, high))
         for start, end in spans
         if (low is None or end >= low) and (high is None or start <= high)
     ]
+
+
+def _asked_span(run: Run) -> tuple[int | None, int | None]:
+    """Return the ends of the asked slice; of a point none: how long around that moment."""
+    time = run.query.time
+    if time is None or time.is_point:
+        time = TimeSlice()
+    return milliseconds(time.start), milliseconds(time.end)
 
 
 def _moment(run: Run, at_ms: int | None) -> datetime | None:

@@ -24,9 +24,11 @@ from d3a.colours import HISTOGRAM_SIZE, Palette, histograms, learn
 from d3a.parameters import DEFAULT, PROFILES, Parameters
 from d3a.plan import FindObjects
 from d3a.store.base import (
+    Area,
     ObjectRecord,
     Region,
     Sighting,
+    Spans,
     StayKey,
     StayRecord,
     Store,
@@ -37,6 +39,8 @@ from grammar.forms import RelationKind
 
 FEW_SIGHTINGS = 500
 """Where no more was seen of what is asked for, it is read whole, and kept for the next question."""
+MOST_WHOLE = 2_000
+"""Sightings that are read as records where all of them count; more are read as columns."""
 PALETTE_OBJECTS = 1_000
 """What boxes hold together is told by so many of them as well as by all."""
 FEW_OBJECTS = 2_000
@@ -227,11 +231,32 @@ class Facts:
     def count_seen(self, ids: Sequence[str], start_ms: int | None, last_ms: int | None) -> int:
         """Count the objects with a sighting that touches the closed [start, last]."""
         asked = (tuple(ids), start_ms, last_ms)
-        count = self._known.counts.get(asked, None)
-        if count is None:
+        if (count := self._known.counts.get(asked, None)) is None:
             count = self.store.count_seen(ids, start_ms=start_ms, end_ms=last_ms)
             self._known.counts.put(asked, count, len(ids))
         return count
+
+    def are_many(self, ids: Sequence[str], start_ms: int | None, last_ms: int | None) -> bool:
+        """Whether the objects have more sightings that touch [start, last] than are read whole."""
+        if self._knows_all(ids):
+            return sum(len(self._known.sightings[name]) for name in ids) > MOST_WHOLE
+        found = self.store.spans(ids, start_ms=start_ms, end_ms=last_ms, limit=MOST_WHOLE + 1)
+        return len(found) > MOST_WHOLE
+
+    def spans(
+        self,
+        ids: Sequence[str],
+        start_ms: int | None,
+        last_ms: int | None,
+        area: Area | None = None,
+    ) -> Spans:
+        """Return when objects were seen, see `Store.spans`; kept for the next question."""
+        asked = (tuple(ids), start_ms, last_ms, area)
+        found = self._known.spans.get(asked, None)
+        if found is None:
+            found = self.store.spans(ids, area=area, start_ms=start_ms, end_ms=last_ms)
+            self._known.spans.put(asked, found, len(found))
+        return found
 
     def _has_few_objects(self) -> bool:
         return sum(count for _, count in self._counted()) <= FEW_OBJECTS

@@ -14,8 +14,9 @@ from numpy.typing import NDArray
 
 from d3a.answering.pairs import DEFAULT_SIGMA_M, normal_cdf
 from d3a.model import Position
-from d3a.store.base import Region, StayRecord, View
+from d3a.store.base import Area, Region, StayRecord, Store, View
 
+DAY_MS = 86_400_000
 _Bounds = tuple[float, float, float, float]
 
 
@@ -84,6 +85,22 @@ def smallest(holding: Sequence[Region]) -> str | None:
     return min(holding, key=lambda r: (area_m2(r.polygon), r.name)).name
 
 
+def box_of(region: Region) -> Area:
+    """Return the box around a room."""
+    x_min, x_max, y_min, y_max = _bounds(region.polygon)
+    return Area(x_min, y_min, x_max, y_max)
+
+
+def is_box(region: Region) -> bool:
+    """Whether a room is the box around it, on every map."""
+    x_min, x_max, y_min, y_max = _bounds(region.polygon)
+    corners = {(x, y) for x in (x_min, x_max) for y in (y_min, y_max)}
+    crossing = area_m2(region.polygon) == 0  # the corners in another order
+    return (
+        {*region.polygon} == corners and len(region.polygon) == 4 and not (crossing or region.site)
+    )
+
+
 def _holders(
     bounded: Sequence[tuple[Region, _Bounds]], position: Position | None, site: str
 ) -> list[Region]:
@@ -106,6 +123,20 @@ def last_look(views: Sequence[View], region: Region) -> int | None:
     middle = (sum(xs) / len(xs), sum(ys) / len(ys))
     seen = [view.end_ms for view in views if _looks_into(view, region, middle)]
     return max(seen, default=None)
+
+
+def newest_look(store: Store, region: Region, newest_ms: int | None) -> int | None:
+    """Return `last_look` of all views; the newest are read first, and mostly tell.
+
+    newest_ms: of the newest frame. Raises StoreError.
+    """
+    width = DAY_MS
+    while newest_ms is not None and width < newest_ms:
+        found = last_look(store.views(start_ms=newest_ms - width), region)
+        if found is not None:
+            return found
+        width *= 8
+    return last_look(store.views(), region)
 
 
 def _looks_into(view: View, region: Region, middle: tuple[float, float]) -> bool:

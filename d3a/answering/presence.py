@@ -8,8 +8,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Iterable, Mapping, Sequence
+from functools import cached_property
 
+import numpy as np
+
+from d3a.answering import columns
 from d3a.answering.distinct import rounds_of
+from d3a.answering.many import spans_asked
 from d3a.answering.moments import Entry, Found, Moment, entry_of, single
 from d3a.answering.run import Run
 from d3a.answering.steps import KeepPresent
@@ -35,13 +40,15 @@ def keep_present(run: Run, step: KeepPresent) -> None:
         away = [m for m in kept if last is not None and m.figure.sighting.object_id != last]
         kept = [m for m in kept if m not in away]
         table.gone += [newest[last] for _ in away[:1] if last is not None and not kept]
+    if not kept and step.var in run.newest_alone:
+        gone += _left_before(run, step.var, newest)
     for moment in gone:
         sighting = moment.figure.sighting
         there = term.category == ANYTHING
         table.gone.append(sighting if there else newest[sighting.object_id])
     kept = [at_its_newest(moment, table, newest) for moment in kept]
     if step.anywhere:
-        alike = _Alike(table, kept, before)  # the newest place counts
+        alike = _Alike(run, step.var, kept, before)  # the newest place counts
         kept = [moment for moment in kept if not alike.seen_since(moment)]
     else:
         kept = _doubted(run, term, table, kept, before)
@@ -54,15 +61,34 @@ def keep_present(run: Run, step: KeepPresent) -> None:
 class _Alike:
     """What else of its kind was seen, so that it may be the same thing under another id."""
 
-    def __init__(self, table: Found, kept: Sequence[Moment], before: Sequence[Sighting]) -> None:
+    def __init__(
+        self, run: Run, var: str, kept: Sequence[Moment], before: Sequence[Sighting]
+    ) -> None:
+        table = run.found[var]
         kinds = {moment.figure.candidate.record.category for moment in kept}
         of = {name: c.record.category for name, c in table.candidates.items()}
         seen = [s for s in before if of.get(s.object_id) in kinds]
         self._unsure = {name for name, c in table.candidates.items() if c.record.tentative}
-        self._shown, self._newest, self._first = rounds_of(seen), newest_of(seen), first_of(seen)
+        self._newest, self._seen = newest_of(seen), seen
+        self._first = first_of(seen)
+        self._run, self._is_whole = run, var not in run.newest_alone
+        if not self._is_whole:  # each object's newest sighting was found and no other
+            self._first = first_of(run.store.edges([*self._newest], "first"))
         self._of_kind: dict[str, list[str]] = {}
         for name in self._newest:
             self._of_kind.setdefault(of[name], []).append(name)
+
+    @cached_property
+    def _shown(self) -> dict[str, set[int]]:
+        """The rounds that showed each, by number: of many things they are seldom asked for."""
+        if self._is_whole:
+            return rounds_of(self._seen)
+        spans = self._run.facts.spans(sorted(self._newest), None, None)
+        shown: dict[str, set[int]] = {name: set() for name in spans.ids}
+        numbers = columns.rounds_of(spans.start_ms, spans.end_ms).tolist()
+        for of, number in zip(spans.of.tolist(), numbers, strict=True):
+            shown[spans.ids[of]].add(number)
+        return shown
 
     def turned_up(self, moment: Moment, besides: Collection[str]) -> list[Sighting]:
         """Return those that were first seen after the moment, each as it was seen last."""
@@ -71,11 +97,13 @@ class _Alike:
 
     def seen_since(self, moment: Moment) -> list[Sighting]:
         """Return those that were seen after the moment, and never in one round with its thing."""
-        mine = self._shown[moment.figure.sighting.object_id]
+        name = moment.figure.sighting.object_id
+        others = [self._newest[other] for other in self._others(moment, ())]
         return [
-            self._newest[name]
-            for name in self._others(moment, ())
-            if self._newest[name].start_ms > moment.end_ms and self._shown[name].isdisjoint(mine)
+            other
+            for other in others
+            if other.start_ms > moment.end_ms
+            and self._shown[other.object_id].isdisjoint(self._shown[name])
         ]
 
     def _others(self, moment: Moment, besides: Collection[str]) -> list[str]:
@@ -83,6 +111,22 @@ class _Alike:
         mine = moment.figure.sighting.object_id
         ruled_out = self._unsure.union(besides, (mine,))  # what may be a mistake doubts nothing
         return [name for name in of_kind if name not in ruled_out]
+
+
+def _left_before(run: Run, var: str, newest: Mapping[str, Sighting]) -> list[Moment]:
+    """Return the newest moment in the room of what was ever there, of things found by their newest.
+
+    Of anything at all: what was there last, so many as are told.
+    """
+    table, spans = run.found[var], spans_asked(run, var)
+    rows = columns.lasts(spans.of, [spans.end_ms, spans.start_ms])
+    rows = rows[np.argsort(-spans.end_ms[rows], kind="stable")]
+    if run.term(var).category != ANYTHING:
+        known = [newest[spans.ids[of]] for of in spans.of[rows].tolist()]
+        return [single(table, sighting) for sighting in known]
+    told = run.store.sightings_at(spans.chosen(rows[: run.limit]).which())
+    table.stays |= run.facts.stays_of(told)
+    return [single(table, sighting) for sighting in told]
 
 
 def _doubted(
@@ -95,7 +139,7 @@ def _doubted(
     told apart, but for the large things that stay.
     """
     here = {moment.figure.sighting.object_id for moment in kept}
-    alike = _Alike(table, kept, before)
+    alike = _Alike(run, term.var, kept, before)
     if term.category == ANYTHING:
         kept = [moment for moment in kept if not alike.turned_up(moment, here)]
         stay = run.facts.landmarks(run.lexicon) if kept else ()
@@ -105,7 +149,11 @@ def _doubted(
             if moment.figure.sighting.object_id not in stay and alike.seen_since(moment)
         ]
         return [moment for moment in kept if moment not in run.doubted] or kept
-    doubts = [[*alike.turned_up(m, here), *alike.seen_since(m)] for m in kept]
+    doubts: list[list[Sighting]] = []
+    for moment in kept:
+        doubts.append([*alike.turned_up(moment, here), *alike.seen_since(moment)])
+        if not doubts[-1]:  # one of them is there for certain
+            break
     if doubts and all(doubts):
         best = max((s for each in doubts for s in each), key=lambda s: (s.end_ms, s.object_id))
         run.otherwise = single(table, best)

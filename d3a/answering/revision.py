@@ -15,7 +15,16 @@ from d3a.answering.spots import Spots
 from d3a.answering.steps import FindObjects, Precision
 from d3a.colours import Palette
 from d3a.parameters import Parameters
-from d3a.store.base import ObjectRecord, Region, Sighting, StayKey, StayRecord, TaughtName
+from d3a.store.base import (
+    Area,
+    ObjectRecord,
+    Region,
+    Sighting,
+    Spans,
+    StayKey,
+    StayRecord,
+    TaughtName,
+)
 from grammar.forms import RelationKind
 
 MOST_STAYS = 5_000
@@ -27,10 +36,13 @@ MOST_OBJECTS = 50_000
 MOST_LOOKS = 25_000
 """With their embeddings they are five times as large: 60 MB at most, and 15 MB for their pixels."""
 MOST_SIGHTINGS = 20_000
+MOST_SPANS = 500_000
+"""Their times and places alone take 32 bytes each."""
 _Asked = tuple[str, ...] | None
 _Noun = tuple[str, str, Precision | None]
 _Meant = tuple[FindObjects, tuple[tuple[str, float], ...], float]
 _Counted = tuple[tuple[str, ...], int | None, int | None]
+_Timed = tuple[tuple[str, ...], int | None, int | None, Area | None]
 _Candidates = tuple[list[ObjectRecord], list[Candidate]]
 _Pixels = tuple[Looks | None, bool]
 
@@ -64,6 +76,7 @@ class Revision:
     joined: Kept[tuple[str, ...], list[Sighting]] = field(
         default_factory=lambda: Kept(MOST_SIGHTINGS)
     )
+    spans: Kept[_Timed, Spans] = field(default_factory=lambda: Kept(MOST_SPANS))
     kept: int = 0
     crowded: bool = False
 

@@ -16,7 +16,7 @@ from d3a.answering.spots import RuledOut, Spot
 from d3a.parameters import Parameters
 from d3a.plan import FilterPlace, FindObjects, Rank, Relate, Step, Unite
 from d3a.rank import Ranked
-from d3a.store.base import ObjectRecord, Region, Sighting, StayKey, StayRecord, Store
+from d3a.store.base import ObjectRecord, Region, Sighting, Spans, StayKey, StayRecord, Store
 from grammar.forms import ANYTHING, FormalQuery, ObjectTerm
 
 LEAST_TOGETHER = 0.35
@@ -45,7 +45,10 @@ class Run:
     different things, where that is too many; figures: how many of a moment's entries are what is
     asked for, more than one of things that were together; stretches: from when to when they were
     so, where that is asked; doubted: what was so and may be elsewhere by now; since_ms: from when
-    on a relation was looked for, as the variables `reached` allow.
+    on a relation was looked for, as the variables `reached` allow. spans: by variable, all
+    sightings that count, where those that were found are a choice of them; newest_alone: the
+    variables of which each object's newest sighting was found and no other; many: those of which
+    not all stays are read.
     """
 
     query: FormalQuery
@@ -78,6 +81,9 @@ class Run:
     figures: int = 1
     since_ms: int = 0
     reached: set[str] = field(default_factory=set)
+    spans: dict[str, Spans] = field(default_factory=dict)
+    newest_alone: set[str] = field(default_factory=set)
+    many: set[str] = field(default_factory=set)
     suggestions: tuple[str, ...] = ()
     message: str | None = None
     rank_step: Rank | None = None
@@ -128,7 +134,7 @@ class Run:
         A room is judged by all stays of a thing: where none has a position it is not judged.
         """
         placed = any(isinstance(step, FilterPlace) for step in self.steps)
-        return placed or var in self.rooms
+        return (placed and var not in self.many) or var in self.rooms
 
     def doubtful(self) -> frozenset[str]:
         """Return the ids of what rather lacks the attributes asked for."""

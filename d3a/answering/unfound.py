@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
+import numpy as np
+
 from d3a.answering.changes import by_object, left_places
 from d3a.answering.conclude import least_of
 from d3a.answering.distinct import may_be_one, things_of
@@ -35,6 +37,7 @@ def explain_empty(run: Run, step: ExplainEmpty) -> None:
     run.status = "not_found"
     best = run.ranked[0].moment if run.ranked else None
     run.ranked = []
+    run.spans.clear()
     if not run.facts.categories():
         run.reason = "empty"
         return
@@ -73,6 +76,7 @@ def _is_another_number(run: Run) -> bool:
     standing = {id(moment) for moment in run.standing(one.moment for one in run.ranked)}
     ranked = [one for one in run.ranked if id(one.moment) in standing]
     number = len({one.moment.figure.sighting.object_id for one in ranked})
+    number = max(number, *(len(np.unique(spans.of)) for spans in run.spans.values()), 0)
     judged = term.bound != "least" and not run.unjudged  # of four cups two may be wooden
     different = least_of(run)
     surely = different if judged else 0
@@ -82,6 +86,7 @@ def _is_another_number(run: Run) -> bool:
     least = max(one.score for one in ranked) * LEAST_OF_BEST
     likely = [one.moment for one in ranked if one.score >= least]
     run.status, run.reason, run.ranked = "not_found", "never", []
+    run.spans.clear()
     run.counted, run.surely = number, different
     run.otherwise = max(likely, key=lambda moment: moment.end_ms)
     run.find_landmarks()
@@ -161,7 +166,7 @@ def _seen_apart(run: Run, step: ExplainEmpty, var: str) -> None:
     if len(set(things.values())) < len(seen) or any(map(may_be_one, alike.values())):
         run.apart = len({s.stay for s in inside})
         run.otherwise = _newest(table, inside)
-    elif gone := [s for left in left_places(table) for s in left.sightings if s in inside]:
+    elif gone := [s for left in left_places(run, var) for s in left.sightings if s in inside]:
         run.reason, run.otherwise = "gone", _newest(table, gone)
 
 

@@ -232,13 +232,14 @@ class Store(Protocol):
         self,
         object_ids: Sequence[str],
         *,
+        area: Area | None = None,
         start_ms: int | None = None,
         end_ms: int | None = None,
         limit: int | None = None,
     ) -> Spans:
         """Return when objects were seen within the closed [start, end], by (object_id, start, end).
 
-        Of all that they touch; ties by place. limit: only the first so many.
+        Of all that they touch; ties by place. area, limit: as `sightings` has them.
         """
         ...
 

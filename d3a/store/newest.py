@@ -8,7 +8,7 @@ from typing import Protocol
 
 import numpy as np
 
-from d3a.store.base import Sighting, SightingKey, Spans, StayKey, StayRecord
+from d3a.store.base import Area, Sighting, SightingKey, Spans, StayKey, StayRecord
 
 
 class _Reader(Protocol):
@@ -20,6 +20,7 @@ class _Reader(Protocol):
         self,
         *,
         object_ids: Sequence[str] | None = None,
+        area: Area | None = None,
         start_ms: int | None = None,
         end_ms: int | None = None,
     ) -> list[Sighting]: ...
@@ -43,12 +44,13 @@ class ByReading:
         self: _Reader,
         object_ids: Sequence[str],
         *,
+        area: Area | None = None,
         start_ms: int | None = None,
         end_ms: int | None = None,
         limit: int | None = None,
     ) -> Spans:
         """Return when objects were seen, see `Store.spans`."""
-        found = self.sightings(object_ids=object_ids, start_ms=start_ms, end_ms=end_ms)
+        found = self.sightings(object_ids=object_ids, area=area, start_ms=start_ms, end_ms=end_ms)
         every = Spans.of_sightings(object_ids, found)
         return every if limit is None else every.chosen(np.arange(min(limit, len(every))))
 

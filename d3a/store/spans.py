@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from d3a.store.documents import Sighting
+from d3a.store.documents import Sighting, StayKey
 
 SightingKey = tuple[str, int, int]
 """(object_id, place, start_ms): one sighting."""
@@ -53,7 +53,12 @@ class Spans:
         columns = (self.of, self.place, self.start_ms, self.end_ms)
         return Spans(self.ids, *(column[rows] for column in columns))
 
-    def keys(self) -> list[SightingKey]:
+    def stays(self) -> list[StayKey]:
+        """Return the stay of each sighting."""
+        rows = zip(self.of.tolist(), self.place.tolist(), strict=True)
+        return [(self.ids[of], place) for of, place in rows]
+
+    def which(self) -> list[SightingKey]:
         """Return which sightings these are."""
         rows = zip(self.of.tolist(), self.place.tolist(), self.start_ms.tolist(), strict=True)
         return [(self.ids[of], place, start) for of, place, start in rows]

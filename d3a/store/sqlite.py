@@ -254,12 +254,13 @@ class SqliteStore:
         self,
         object_ids: Sequence[str],
         *,
+        area: Area | None = None,
         start_ms: int | None = None,
         end_ms: int | None = None,
         limit: int | None = None,
     ) -> Spans:
         """Return when objects were seen, see `Store.spans`."""
-        select = sqlite_read.spans(object_ids, start_ms, end_ms)
+        select = sqlite_read.spans(object_ids, area, start_ms, end_ms, trees=self._trees)
         return Spans.of_rows(object_ids, self._select(select, limit))
 
     def newest(

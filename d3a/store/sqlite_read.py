@@ -30,6 +30,8 @@ from d3a.store.schema import SLACK_M
 _INDEX = re.compile(r"USING (?:COVERING )?INDEX (\w+)")
 _KEY = re.compile(r"USING (INTEGER PRIMARY KEY|PRIMARY KEY)")
 _TREE = re.compile(r"SCAN (\w+_tree) VIRTUAL TABLE INDEX")
+FEW_IDS = 100
+"""With no more ids than this all their stays are asked for, not all stays of an area."""
 MANY_IDS = 1_000
 """With more ids than this and a bounded time, a walk through the time beats one look per id."""
 
@@ -227,12 +229,31 @@ def _sightings_in_box(columns: str, order: str, start_ms: int | None, end_ms: in
     return select
 
 
-def spans(object_ids: Sequence[str], start_ms: int | None, end_ms: int | None) -> Select:
-    """Return the query of `Store.spans`: from an index alone, in its order."""
-    order = "s.object_id, s.start_ms, s.end_ms, s.place"
-    columns = "s.object_id, s.start_ms, s.end_ms, s.place"
-    select = Select(columns, "sighting s INDEXED BY sighting_object_start", order)
-    select.where(among("s.object_id", "ids"), ids=as_list(object_ids))
+def spans(
+    object_ids: Sequence[str],
+    area: Area | None,
+    start_ms: int | None,
+    end_ms: int | None,
+    *,
+    trees: bool,
+) -> Select:
+    """Return the query of `Store.spans`: from an index alone, or from the stays of an area."""
+    columns = order = "s.object_id, s.start_ms, s.end_ms, s.place"
+    if area is None:
+        select = Select(columns, "sighting s INDEXED BY sighting_object_start", order)
+        select.where(among("s.object_id", "ids"), ids=as_list(object_ids))
+    else:
+        few, timed = len(object_ids) <= FEW_IDS, start_ms is not None and end_ms is not None
+        if timed and trees and not few:
+            select = _sightings_in_box(columns, order, start_ms, end_ms)
+            select.source += " CROSS JOIN stc p ON p.stay_id = s.stay_id"
+        else:
+            select = Select(columns, "stc p", order)
+            if not few:
+                select = _stays_in_box(columns, order, trees=trees)
+            select.source += " CROSS JOIN sighting s ON s.stay_id = p.stay_id"
+        select.where(among(f"{'' if few else '+'}p.object_id", "ids"), ids=as_list(object_ids))
+        _inside(select, area)
     touching(select, "s", "max_sighting_ms", start_ms, end_ms)
     return select
 

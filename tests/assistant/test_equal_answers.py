@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 
 from assistant.asking import ask_query
 from assistant.lexicon import VocabularyLexicon
-from d3a.answering import bounded
+from d3a.answering import bounded, facts, many
 from d3a.answering.facts import Facts
 from d3a.execute import execute
 from d3a.plan import plan
@@ -57,6 +57,7 @@ def answers(store: Store, queries: Sequence[FormalQuery], limit: int) -> list[An
     queries=st.lists(drawn.queries(), min_size=QUERIES, max_size=QUERIES),
     limit=st.integers(1, 3),
     joined=st.sampled_from([2, 10_000]),
+    whole=st.sampled_from([1, 2_000]),
 )
 @SETTINGS
 def test_drawn_queries_are_answered_as_over_the_oracle(
@@ -66,9 +67,12 @@ def test_drawn_queries_are_answered_as_over_the_oracle(
     queries: Sequence[FormalQuery],
     limit: int,
     joined: int,
+    whole: int,
 ) -> None:
     with pytest.MonkeyPatch.context() as patch, closing(make_store()) as store:
         patch.setattr(bounded, "MOST_JOINED", joined)
+        for module in (facts, many):
+            patch.setattr(module, "MOST_WHOLE", whole)
         oracle = OracleStore()
         home.into(oracle)
         home.into(store)

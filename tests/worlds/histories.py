@@ -222,7 +222,7 @@ areas = st.none() | st.tuples(reals, reals, reals, reals).map(lambda v: Area(*v)
 
 def columns(spans: Spans) -> tuple[Any, ...]:
     """What a store tells as columns, as what can be compared."""
-    return spans.ids, spans.keys(), spans.end_ms.tolist()
+    return spans.ids, spans.which(), spans.end_ms.tolist()
 
 
 @st.composite
@@ -245,7 +245,7 @@ def questions(draw: st.DrawFn) -> Question:
         lambda s: s.reach(among or IDS, most),
         lambda s: s.count_seen(among or IDS, **span),
         lambda s: s.stays_at([(name, place) for name in among or IDS for place in (0, 2)]),
-        lambda s: columns(s.spans(among or IDS, limit=limit, **span)),
+        lambda s: columns(s.spans(among or IDS, area=area, limit=limit, **span)),
         lambda s: s.sightings_at([*columns(s.spans(IDS))[1][::most], ("a", 99, 5)]),
         lambda s: s.embeddings(most)[0],
         lambda s: s.encounters(object_ids=among, with_ids=with_ids, **span),

@@ -231,6 +231,7 @@ class OracleStore:
         self,
         object_ids: Sequence[str],
         *,
+        area: Area | None = None,
         start_ms: int | None = None,
         end_ms: int | None = None,
         limit: int | None = None,
@@ -238,7 +239,9 @@ class OracleStore:
         rows = sorted(
             (name, start, s.end_ms, place)
             for (name, place, start), s in self._sightings.items()
-            if name in object_ids and touches(start, s.end_ms, start_ms, end_ms)
+            if name in object_ids
+            and self._in(area, s.stay)
+            and touches(start, s.end_ms, start_ms, end_ms)
         )
         return Spans.of_rows(object_ids, rows[:limit])
 

@@ -1,0 +1,106 @@
+"""Questions over too many sightings to read one by one have the answers of those read whole."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import pytest
+from hypothesis import HealthCheck, Phase, given, settings
+
+from assistant.asking import ask, ask_query, store_now
+from d3a.answer import Answer
+from d3a.answering import facts, many
+from d3a.store import open_store
+from d3a.store.base import Batch, Region, Store
+from grammar.forms import FormalQuery
+from tests.worlds import drawn, scaled
+from tests.worlds.made import NOW, Home
+from tests.worlds.oracle import OracleStore
+
+SAID = (
+    "How many cups did you see?",
+    "How many things are there?",
+    "How many cups are in the kitchen?",
+    "How many books were in the kitchen yesterday?",
+    "How long did you see the cup?",
+    "How often did you see the book in the kitchen?",
+    "Did you see more than three cups?",
+    "What is in the kitchen?",
+    "What is in the den?",
+    "Is the cup in the den?",
+    "Is the lamp in the kitchen?",
+    "Was the cup ever in the kitchen?",
+    "Was the cup ever in the den?",
+    "When was the book last in the office?",
+    "Did you see a cup outside the kitchen?",
+    "What was the first thing you saw in the kitchen?",
+    "What is missing?",
+    "What is missing from the kitchen?",
+    "What went missing yesterday?",
+    "What moved yesterday?",
+    "What moved in the den?",
+    "Did the cup move?",
+    "Where is the cup usually?",
+    "What is usually in the kitchen?",
+    "Did you see a cup and a book?",
+    "Is there a zebra in the kitchen?",
+)
+DEN = Region("den", ((1.0, 1.0), (9.0, 2.0), (8.0, 9.0), (4.0, 4.0)))
+"""A room that is no box."""
+
+
+@pytest.fixture(scope="module")
+def store(tmp_path_factory: pytest.TempPathFactory) -> Store:
+    """A small drawn home, of which some things were then seen gone."""
+    path = tmp_path_factory.mktemp("many") / "home.db"
+    opened = open_store(str(path))
+    scaled.fill(opened, 300, seed=5)
+    stays = opened.stays()
+    last = {stay.object_id: stay for stay in sorted(stays, key=lambda s: s.last_ms)}
+    gone = [replace(stay, last_absent_ms=stay.last_ms + 60_000) for stay in [*last.values()][::3]]
+    opened.apply(Batch(stays=gone, regions=[DEN]))
+    return opened
+
+
+def told(answer: Answer) -> dict[str, Any]:
+    record = answer.to_json()
+    del record["elapsed_ms"]
+    return record
+
+
+def read_as(monkeypatch: pytest.MonkeyPatch, whole: int) -> None:
+    """Have so many sightings read whole at most, and nothing known from before."""
+    facts.forget()
+    for module in (facts, many):
+        monkeypatch.setattr(module, "MOST_WHOLE", whole)
+
+
+@pytest.mark.parametrize("said", SAID)
+def test_columns_give_the_answer_of_records(
+    store: Store, said: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    now = store_now(store, "last", lambda: NOW)
+    answers = []
+    for whole in (100_000, 0):
+        read_as(monkeypatch, whole)
+        answers.append(told(ask(store, said, now=now, limit=2_000)))
+    assert answers[1] == answers[0]
+
+
+@given(home=drawn.homes(), query=drawn.queries())
+@settings(
+    max_examples=40,
+    deadline=None,
+    phases=[Phase.explicit, Phase.reuse, Phase.generate],  # shrinking takes minutes
+    suppress_health_check=list(HealthCheck),
+)
+def test_drawn_queries_have_the_answers_of_records(home: Home, query: FormalQuery) -> None:
+    store = OracleStore()
+    home.into(store)
+    answers = []
+    with pytest.MonkeyPatch.context() as patch:
+        for whole in (100_000, 0):
+            read_as(patch, whole)
+            answers.append(told(ask_query(store, query, now=NOW, limit=500)))
+    assert answers[1] == answers[0]
