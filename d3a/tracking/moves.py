@@ -46,9 +46,11 @@ LOOK_LEAST = -1.0
 PLAIN_LOOK, LEFT_LEAST = 3.0, 3.0
 """A look whose log-odds tell a thing from all others of its category; and log-odds of its absence
 from which a thing may be elsewhere, whatever it looks like. A link needs one of them."""
-TOLD = GONE_MOST + 3.0
-"""Evidence of absence from which a further look in vain tells nothing: it counted for the most
-before, as no look tells more than 3."""
+MORE_SEEN, MORE_GONE = 1.1, 0.25
+"""A pair that was no plain move is asked again when what turned up was seen so many times as often,
+or the place that was left has so much more evidence: in between little is known that could tell."""
+ASKED_MOST = 1 << 16
+"""Pairs of which that is remembered at most."""
 Pair = tuple[Known, int]
 """What may be a move: what turned up, and where in `Kind.lasts` what left is."""
 Came = Callable[[Known], float]
@@ -98,6 +100,9 @@ class Moves:
         self._kinds = Kinds(memory, parameters.confirm_sightings)
         self.others: dict[str, list[float]] = {}
         """By category (BINS,): how often two different things of it were so much alike."""
+        self.asked: dict[tuple[int, int], tuple[float, float]] = {}
+        """By the numbers of the new and the old of pairs that were asked: from how many views of
+        the new, and from what evidence of absence of the old, they are asked again."""
         self.compared: set[int] = set()
         """Numbers of the things that `others` has learned from."""
         self._dense: dict[str, Floats] = {}
@@ -115,12 +120,56 @@ class Moves:
                 self._compare(kind)
         links: list[Link] = []
         for name, kind in kinds.items():
-            if pairs := _pairs(kind, changed):
+            if pairs := self._pairs(kind, changed):
                 # Any other of the category may have come, or one that is not known.
                 brought = self._parameters.move_odds - math.log(len(kind.lasts) - 1)
                 asked = Asked(kind, self._looks_of(kind, name), brought)
                 links += [link for pair in pairs if (link := self._link(asked, *pair)) is not None]
         return sorted(links, key=lambda link: (link.new.number, link.old.number))
+
+    def _pairs(self, kind: Kind, changed: set[int]) -> list[Pair]:
+        """Return what may be a move of a category, with one of the changed things at either end.
+
+        Of those that were asked before only where more is known of either end since.
+        """
+        vain = [(k, old, place) for k, (old, place) in enumerate(kind.lasts) if place.misses]
+        if not vain:
+            return []
+        fresh = [(new, new.first_ms, new.number in changed) for new in kind.fresh]
+        newest = max((first_ms for _, first_ms, _ in fresh), default=0)
+        pairs: list[Pair] = []
+        for k, old, place in vain:
+            last_ms, is_missed = place.last_ms, old.number in changed
+            if last_ms >= newest:
+                continue
+            pairs += [
+                (new, k)
+                for new, first_ms, is_changed in fresh
+                if last_ms < first_ms
+                and (is_missed or is_changed)
+                and new is not old
+                and self._is_due(new, old, min(place.evidence, GONE_MOST))
+            ]
+        return pairs
+
+    def _is_due(self, new: Known, old: Known, gone: float) -> bool:
+        """Say whether a pair is to be asked, as it is not known or more is known of it; note it."""
+        key = new.number, old.number
+        due = self.asked.get(key)
+        if due is not None and new.seen < due[0] and gone < due[1]:
+            return False
+        if len(self.asked) >= ASKED_MOST:
+            self.asked.clear()
+        self.asked[key] = new.seen * MORE_SEEN, gone + MORE_GONE
+        return True
+
+    def asked_rows(self) -> Floats:
+        """Return `asked` as rows (n, 4), in the order in which the pairs were asked first."""
+        return np.array([(*key, *due) for key, due in self.asked.items()]).reshape(-1, 4)
+
+    def restore_asked(self, rows: Floats) -> None:
+        """Go on with what `asked_rows` gave."""
+        self.asked = {(int(new), int(old)): (seen, gone) for new, old, seen, gone in rows.tolist()}
 
     def _names(self, changed: set[int]) -> list[str]:
         """Return the categories of the confirmed ones of the changed things."""
@@ -259,37 +308,26 @@ def _never_brought(_: Known) -> float:
 
 def _same(above: Floats) -> Floats:
     """Return how dense the looks of a thing at two places lie so much above what is usual."""
-    alike = _bell(np.minimum(above, 0.0), SAME_SIGMA)
-    light = _bell(above + LIGHT_LESS, LIGHT_SIGMA)
-    follow = (1 - LIGHT_SHARE) * alike + LIGHT_SHARE * light
-    return np.asarray((1 - SAME_OUTLIERS) * follow + SAME_OUTLIERS / 2)
+    follow = _bell(np.minimum(above, 0.0), SAME_SIGMA, 1 - LIGHT_SHARE)
+    follow += _bell(above + LIGHT_LESS, LIGHT_SIGMA, LIGHT_SHARE)
+    follow *= 1 - SAME_OUTLIERS
+    follow += SAME_OUTLIERS / 2
+    return follow
 
 
-def _bell(away: Floats, sigma: float) -> Floats:
-    return np.asarray(np.exp(-((away / sigma) ** 2) / 2) / (sigma * math.sqrt(2 * math.pi)))
+def _bell(away: Floats, sigma: float, share: float) -> Floats:
+    """Return how dense a share of all lies so far from its mean; `away` is overwritten."""
+    away *= away
+    away *= -0.5 / sigma**2
+    np.exp(away, out=away)
+    away *= share / (sigma * math.sqrt(2 * math.pi))
+    return away
 
 
 def _bins(likeness: Floats) -> NDArray[np.intp]:
     """Return the bins of likenesses, alike shaped."""
-    return np.asarray(((likeness + 1.0) / 2.0 * BINS).astype(np.intp).clip(0, BINS - 1))
-
-
-def _pairs(kind: Kind, changed: set[int]) -> list[Pair]:
-    """Return what may be a move of a category, with one of the changed things at either end."""
-    fresh = [(new, new.first_ms, new.number in changed) for new in kind.fresh]
-    newest = max((first_ms for _, first_ms, _ in fresh), default=0)
-    pairs: list[Pair] = []
-    for k, (old, place) in enumerate(kind.lasts):
-        last_ms = place.last_ms
-        if place.misses == 0 or last_ms >= newest:
-            continue
-        is_missed = old.number in changed and place.evidence < TOLD
-        pairs += [
-            (new, k)
-            for new, first_ms, is_changed in fresh
-            if last_ms < first_ms and (is_missed or is_changed) and new is not old
-        ]
-    return pairs
+    bins = ((likeness + 1.0) * (BINS / 2)).astype(np.intp)
+    return np.asarray(np.minimum(np.maximum(bins, 0), BINS - 1))
 
 
 def apply_link(link: Link, memory: Memory, ledger: Ledger, parameters: Parameters) -> Became:

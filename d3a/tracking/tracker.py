@@ -355,6 +355,7 @@ class TrackerPipeline:
         learned, parts = self._matcher.to_state()
         arrays |= parts
         arrays["doubts"] = self._doubts.counts
+        arrays["asked"] = self._moves.asked_rows()
         arrays["doubt"] = np.array(self._categories.doubt)
         looking, parts = self._absence.to_state()
         arrays |= parts
@@ -383,6 +384,8 @@ class TrackerPipeline:
         others = record.get("others", {})  # stores of earlier releases are forgotten from too
         self._moves.others = {kind: list(counts) for kind, counts in others.items()}
         self._moves.compared = set(record["compared"])
+        if "asked" in arrays:  # older checkpoints have none: all is asked once more
+            self._moves.restore_asked(arrays["asked"])
         self._categories.doubt = (float(arrays["doubt"][0]), float(arrays["doubt"][1]))
         self._categories.counts.update(record["categories"])
         self._absence.restore(record["absence"], arrays)

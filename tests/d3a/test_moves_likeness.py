@@ -17,7 +17,16 @@ from d3a.tracking.known import Known, Place
 from d3a.tracking.likelihood import LookModel
 from d3a.tracking.look_space import LookSpace
 from d3a.tracking.memory import Memory
-from d3a.tracking.moves import BINS, LEFT_LEAST, PLAIN_LOOK, Asked, Moves
+from d3a.tracking.moves import (
+    BINS,
+    LEFT_LEAST,
+    MORE_GONE,
+    MORE_SEEN,
+    PLAIN_LOOK,
+    Asked,
+    Link,
+    Moves,
+)
 
 LEAST = DEFAULT.move_probability
 ALIKE, UNLIKE = int(0.95 * BINS), int(0.6 * BINS)
@@ -141,3 +150,37 @@ def test_the_moves_are_those_that_every_rival_leaves_plain(seed: int) -> None:
         patch.setattr(moves._absence, "came", lambda place: came[numbers[id(place)]])
         found = [(link.new.number, link.old.number) for link in moves.find(set(came))]
     assert found == _plain(moves, came)
+
+
+def test_a_pair_is_asked_again_only_when_more_is_known_of_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    moves = _moves({"bag": _pairs(UNLIKE, 30.0)})
+    memory, asked, link = moves._memory, [], moves._link
+
+    def noted(of: Asked, new: Known, k: int) -> Link | None:
+        asked.append((new.number, k))
+        return link(of, new, k)
+
+    monkeypatch.setattr(moves, "_link", noted)
+    old = _thing(memory, 0, [1.0, 0.0, 0.0], 0, 1000)
+    new = _thing(memory, 1, [0.0, 1.0, 0.0], 2000, 3000)  # it looks otherwise
+    left = old.places[0]
+    left.evidence, left.misses = 2.0, 3
+    more, often, told = 2.0 + 1.1 * MORE_GONE, math.ceil(20 * MORE_SEEN), []
+    for evidence, seen in (
+        (2.0, 20), (2.0, often - 1), (more - 0.2 * MORE_GONE, 20), (more, 20), (more, 20),
+        (more, often), (9.0, often),
+    ):  # fmt: skip
+        left.evidence, new.seen = evidence, seen
+        rows = moves.asked_rows()
+        moves.asked.clear()
+        moves.restore_asked(rows)  # a checkpoint changes nothing
+        asked.clear()
+        assert moves.find({0, 1}) == []
+        told.append(len(asked))
+    assert told == [1, 0, 0, 1, 0, 1, 1]
+    left.evidence = 30.0  # no look in vain tells more than enough of them do
+    asked.clear()
+    moves.find({0, 1})
+    assert asked == []
