@@ -61,6 +61,8 @@ def amount_words(answer: Answer, query: FormalQuery, condition: str, last: str) 
 def agrees_with_none(query: FormalQuery) -> bool:
     """Whether nothing seen is what the question says: no cup, at most two cups."""
     at_most = term_of(query).bound == "most"
+    if query.contrary:  # was it ever not there: nothing to the contrary is a no
+        return False
     return query.ask == "whether" and (query.negated != at_most)
 
 

@@ -82,7 +82,8 @@ def refusal_words(answer: Answer, query: FormalQuery, now: datetime) -> str:
     elif answer.reason in ("not_then", "not_there"):
         place = condition if answer.reason == "not_there" else ""
         told = f"{opening}I did not see {none}{place}{time}."
-        if query.outside and query.place and query.relation is None and place:
+        elsewhere = query.outside != query.contrary and query.relation is None
+        if elsewhere and query.place and place:
             only = definite(term, numbered(query, term, answer.unjudged))
             told = f"I saw {only} nowhere but {asked_place(query, query.place)}{time}."
     elif answer.reason == "gone":
