@@ -9,6 +9,8 @@ from grammar.nouns import Attribute, Noun
 from grammar.nountags import NounTagger
 from grammar.phrases import place_follows
 
+_DENYING = frozenset(("not", "no", "never", "nothing", "nowhere", "none", "neither"))
+
 
 class DenialTagger(NounTagger):
     """Reads what is denied by what stands before and after `not`."""
@@ -16,6 +18,8 @@ class DenialTagger(NounTagger):
     def _negation(self) -> bool:
         """Lift `not` out, unless it denies a word of a noun phrase."""
         text = self._text(self.i)
+        if text not in _DENYING:
+            return False
         placed = place_follows(self.words, self.i + 1)
         if text == "not" and placed and self._is_placed():
             self._emit("AND", "but", 0)  # near the door, not on the desk
@@ -52,9 +56,9 @@ class DenialTagger(NounTagger):
 
         Nothing but cups are cups alone, which no sighting tells.
         """
-        k = self.i + 1
-        led = self._text(k) in DETERMINERS or self._text(k) in OWNERS or self._open_at(k)
-        if self._text(self.i) != "but" or self._last() != "NOUN" or not led or self.out.negated:
+        if self._text(self.i) != "but" or self._last() != "NOUN" or self.out.negated:
+            return False
+        if not self._noun_phrase_at(self.i + 1):
             return False
         if not self._of_anything() and "all" not in [w.text for w in self.words[: self.i]]:
             return False

@@ -100,9 +100,8 @@ class ObjectTerm:
     other_than: tuple[ObjectTerm, ...] = ()
 
     def __post_init__(self) -> None:
-        for name in ("or_else", "other_than"):
-            if not all(_is_plain(term) for term in getattr(self, name)):
-                raise FormError(f"{name} is told by more than a noun, looks and an owner")
+        if not all(map(_is_plain, (*self.or_else, *self.other_than))):
+            raise FormError("or_else and other_than are told by no more than a noun, looks, owners")
         if self.bound != "least":
             _one_of("bound", self.bound, BOUNDS)
             if self.quantity is None:
@@ -252,8 +251,8 @@ class FormalQuery:
         _one_of("select", self.select, SELECTS)
         if (self.outside or self.or_places) and self.place is None:
             raise FormError("outside of no place, or another place of none; say of which")
-        somewhere = self.relation is not None or self.place is not None
-        if self.contrary and not (self.negated and self.ask == "whether" and somewhere):
+        denied = self.negated and self.ask == "whether"
+        if self.contrary and not (denied and (self.relation or self.place is not None)):
             raise FormError("contrary is said of a denied whether alone, of a relation or a place")
         if len(self.objects) > len(VARIABLES):
             raise FormError(f"{len(self.objects)} objects; at most {len(VARIABLES)} will do")

@@ -80,8 +80,7 @@ class Tagger(OpenTagger):
             self._emit("COMMA", text, 1)
             return True
         joins = text in ("and", "&", "plus")
-        clause = self._text(self.i + 1) in ("that", "which") and self._last() in ("NOUN", "ATTR")
-        if joins and clause and self._text(self.i + 2) in ("is", "are", "was", "were"):
+        if joins and self._goes_on_telling():
             self.i += 1  # that is red and that is on the table
             return True
         if text in ("or", "nor") or (joins and self._next_place()):
@@ -92,6 +91,12 @@ class Tagger(OpenTagger):
             two = two or (following == "no" and self._noun_phrase_at(self.i + 2))
             self._emit("UNKNOWN" if two else "AND", text, 1)
         return joins
+
+    def _goes_on_telling(self) -> bool:
+        """Whether another clause is said of the noun before: and that is on the table."""
+        following = [self._text(self.i + n) for n in (1, 2)]
+        told = self._last() in ("NOUN", "ATTR") and following[0] in ("that", "which")
+        return told and following[1] in ("is", "are", "was", "were")
 
     def _joint_part(self) -> bool:
         """With a blue cap and a white label: another part of the same thing; or no rule's."""
