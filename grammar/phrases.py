@@ -34,12 +34,18 @@ class Phrases:
     """phrases.txt and relations.txt by first word, longest first, and the one-word verbs.
 
     stances: verbs of position (stands, hung); breakers: what goes on no noun phrase.
+    by_two: the same by their first two words, the second "" for a phrase of one.
     """
 
     by_first: dict[str, list[tuple[tuple[str, ...], str]]]
     verbs: frozenset[str]
     stances: frozenset[str]
     breakers: frozenset[str]
+    by_two: dict[tuple[str, str], list[tuple[tuple[str, ...], str]]]
+
+    def starting(self, first: str, second: str) -> list[tuple[tuple[str, ...], str]]:
+        """Return the phrases that may stand where these two words do, longest first."""
+        return [*self.by_two.get((first, second), ()), *self.by_two.get((first, ""), ())]
 
 
 @lru_cache(maxsize=1)
@@ -66,8 +72,12 @@ def phrases() -> Phrases:
             found.setdefault(parts[0], []).append((parts, f"REL {kind.strip()}"))
     for entries in found.values():
         entries.sort(key=lambda entry: (-len(entry[0]), entry[1] not in STANCES))
+    by_two: dict[tuple[str, str], list[tuple[tuple[str, ...], str]]] = {}
+    for first, entries in found.items():
+        for entry in entries:
+            by_two.setdefault((first, "".join(entry[0][1:2])), []).append(entry)
     breakers |= verbs | SUBJECT_OF | {"belonging"}
-    return Phrases(found, frozenset(verbs), frozenset(stances), frozenset(breakers))
+    return Phrases(found, frozenset(verbs), frozenset(stances), frozenset(breakers), by_two)
 
 
 def breaks(words: list[Word], k: int) -> bool:
@@ -141,7 +151,7 @@ def asks_at_start(texts: list[str]) -> bool:
     """Whether the words start with a phrase that asks: `give me a list of`, `tell me the place`."""
     return any(
         terminal in _ASKING and texts[: len(parts)] == [*parts] and parts not in _EVERY
-        for parts, terminal in phrases().by_first.get(texts[0], ())
+        for parts, terminal in phrases().starting(texts[0], "".join(texts[1:2]))
     )
 
 

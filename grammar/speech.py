@@ -92,10 +92,11 @@ def _heard(words: list[Word]) -> list[Word]:
 
 def _owning(words: list[Word], lexicon: Lexicon) -> list[Word]:
     """Return the words with the apostrophes that speech has not: my daughters bag, chris bike."""
-    found = list(words)
+    found = words
     for i, word in enumerate(words[:-1]):
-        named = word.text[-1] == "s" and word.text in lexicon.names
-        person = word.text[-1] == "s" and word.text[:-1] in PEOPLE - _ADJECTIVAL
+        if word.text[-1] != "s":
+            continue
+        named, person = word.text in lexicon.names, word.text[:-1] in _OWNING
         if not (named or person) or lexicon.known_noun(f"{word.text} {words[i + 1].text}"):
             continue
         k = i + 1
@@ -105,12 +106,12 @@ def _owning(words: list[Word], lexicon: Lexicon) -> list[Word]:
         known = lexicon.known_noun(thing) or lexicon.known_noun(pair)
         if is_open(thing) and thing not in phrases().verbs and known:
             owner = word.text if named else word.text[:-1]
-            found[i] = replace(word, text=f"{owner}'s")
+            found = [*found[:i], replace(word, text=f"{owner}'s"), *found[i + 1 :]]
     return found
 
 
-_ADJECTIVAL = frozenset(("kid", "guest", "baby", "visitor"))
-"""People whose plural says what kind a thing is: a kids table."""
+_OWNING = PEOPLE - {"kid", "guest", "baby", "visitor"}
+"""People whose plural does not say what kind a thing is, as in a kids table."""
 
 
 def _counting(words: list[Word], lexicon: Lexicon) -> list[Word]:
@@ -142,8 +143,10 @@ def _joined(words: list[Word], lexicon: Lexicon) -> list[Word]:
 def _unowned(words: list[Word], lexicon: Lexicon) -> list[Word]:
     """Return the words with things that a recogniser made owners of nothing: `my key's`."""
     for i in range(2, len(words)):
+        if not words[i].text.endswith("'s"):
+            continue
         thing = words[i].text.removesuffix("'s")
-        if thing == words[i].text or thing in KIN or lexicon.known_noun(thing) is None:
+        if thing in KIN or lexicon.known_noun(thing) is None:
             continue
         verb = words[i - 2].text in AUXILIARIES or words[i - 2].text in phrases().verbs
         after = [w.text for w in words[i + 1 :]]

@@ -105,11 +105,8 @@ class Tagger(OpenTagger):
     # -- phrases
 
     def _phrase(self) -> bool:
-        following = self._text(self.i + 1)
-        for parts, terminal in phrases().by_first.get(self._text(self.i), ()):
+        for parts, terminal in phrases().starting(self._text(self.i), self._text(self.i + 1)):
             size = len(parts)
-            if size > 1 and parts[1] != following:
-                continue  # most phrases differ here
             if any(self._text(self.i + k) != parts[k] for k in range(2, size)):
                 continue
             if self._take(terminal, " ".join(parts), size):
