@@ -89,11 +89,16 @@ def homes(draw: st.DrawFn) -> Home:
 
 
 def facts(
-    home: Home, kind: RelationKind, numbers: Sequence[int], time: TimeSlice | None = None
+    home: Home,
+    kind: RelationKind,
+    numbers: Sequence[int],
+    time: TimeSlice | None = None,
+    by: str = "frame",
 ) -> set[Fact]:
     """Return what is told of a relation: the things of each moment and the frames that show them.
 
-    numbers: of the home's categories, or else anything.
+    by: frame, or position: of one place a picture will do as another. numbers: of the home's
+    categories, or else anything.
     """
     known = [*dict.fromkeys(one.category for one in home.objects.values()), ANYTHING]
     words = [known[min(number, len(known) - 1)] for number in numbers]
@@ -107,7 +112,7 @@ def facts(
         return set()
     told: dict[int | None, set[tuple[str, str]]] = {}
     for keyframe in answer.keyframes:
-        told.setdefault(keyframe.group, set()).add((keyframe.object_id, keyframe.frame))
+        told.setdefault(keyframe.group, set()).add((keyframe.object_id, str(getattr(keyframe, by))))
     return {frozenset(each) for each in told.values()}
 
 
@@ -153,5 +158,6 @@ def test_a_slice_tells_facts_that_are_told_without_it(
 ) -> None:
     asked = each if kind == "between" else each[:2]
     ever = facts(home, kind, asked)
-    assert facts(home, kind, asked, time) <= ever
+    within = facts(home, kind, asked, time, by="position")
+    assert within <= facts(home, kind, asked, by="position")
     assert facts(home, kind, asked, TimeSlice(at(-60.0), at(600.0))) == ever
