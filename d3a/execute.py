@@ -9,19 +9,16 @@ from __future__ import annotations
 from dataclasses import replace
 from datetime import datetime
 from time import perf_counter
-from typing import assert_never
 
 import numpy as np
 
 from d3a.answer import Answer
-from d3a.answering.alternatives import leave_out, take_in
 from d3a.answering.attributes import judged
 from d3a.answering.bounded import (
     find_bounded,
     find_joined,
     finds_stays_late,
 )
-from d3a.answering.changes import missing, moved, often, usual
 from d3a.answering.conclude import conclude
 from d3a.answering.facts import Facts
 from d3a.answering.lookalikes import later_names
@@ -31,9 +28,7 @@ from d3a.answering.miscalled import without_miscalled
 from d3a.answering.moments import Found
 from d3a.answering.places import newest_look, probability_inside
 from d3a.answering.presence import keep_present
-from d3a.answering.relating import gather, relate_found
 from d3a.answering.run import Run, milliseconds
-from d3a.answering.stretches import stretches
 from d3a.answering.unfound import explain_empty
 from d3a.parameters import Parameters
 from d3a.plan import (
@@ -48,22 +43,13 @@ from d3a.plan import (
     FindObjects,
     FindSightings,
     FindStays,
-    FindStretches,
-    Gather,
     JudgeAttributes,
     KeepInRoom,
-    KeepMissing,
-    KeepMoved,
-    KeepOften,
     KeepPresent,
-    KeepUsual,
-    LeaveOut,
     Measure,
     Plan,
     Rank,
-    Relate,
     Step,
-    TakeIn,
     Unite,
     numbers_unjudged,
 )
@@ -110,10 +96,6 @@ def _take(run: Run, step: Step) -> None:
             _find_objects(run, step)
         case JudgeAttributes():
             _judge(run, step)
-        case TakeIn():
-            take_in(run, step)
-        case LeaveOut():
-            leave_out(run, step)
         case FindSightings():
             _find_sightings(run, step)
         case FindEdge():
@@ -126,26 +108,12 @@ def _take(run: Run, step: Step) -> None:
             _drop_gone(run, step)
         case FilterPlace():
             _filter_place(run, step)
-        case Relate():
-            relate_found(run, step)
-        case Gather():
-            gather(run, step)
         case Unite():
             run.leave_out(run.relation_words(step, [run.term(var) for var in step.vars[1:]]))
         case FindNow():
             _find_now(run, step)
-        case FindStretches():
-            run.stretches = stretches(run, step.var)
         case KeepPresent():
             keep_present(run, step)
-        case KeepMoved():
-            run.moments = [*(run.moments or ()), *moved(run, step)]
-        case KeepMissing():
-            run.moments = [*(run.moments or ()), *missing(run, step)]
-        case KeepOften():
-            run.moments = [*often(run, step)]
-        case KeepUsual():
-            run.moments = [*(run.moments or ()), *usual(run, step)]
         case Measure():
             pass  # `conclude` counts what is left, once it is known to be something
         case Rank():
@@ -159,7 +127,9 @@ def _take(run: Run, step: Step) -> None:
         case ExplainEmpty():
             explain_empty(run, step)
         case _:
-            assert_never(step)
+            from d3a.answering.seldom import take  # a simple question does without
+
+            take(run, step)
 
 
 def _find_objects(run: Run, step: FindObjects) -> None:

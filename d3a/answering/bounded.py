@@ -11,7 +11,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from math import prod
 
-from d3a.answering.joins import meeting
 from d3a.answering.match import Candidate
 from d3a.answering.moments import Found, joined
 from d3a.answering.run import Run, milliseconds
@@ -24,7 +23,7 @@ from d3a.answering.steps import (
     Relate,
 )
 from d3a.rank import LEAST_OF_BEST, TENTATIVE
-from d3a.store.base import Encounter, Sighting
+from d3a.store.base import Sighting
 
 READ_A_KEYFRAME = 2
 """Sightings that are read for each keyframe that may be shown."""
@@ -88,15 +87,6 @@ def finds_stays_late(run: Run) -> bool:
     if not at_once or more or len(relate.vars) != 2:
         return False
     return all(run.found[var].candidates for var in relate.vars)
-
-
-def find_stays_late(
-    run: Run, figure: Found, ground: Found, encounters: Sequence[Encounter]
-) -> None:
-    """Find the stays of those sightings that may meet."""
-    met = meeting(figure.sightings, ground.sightings, encounters)
-    for table, sightings in zip((figure, ground), met, strict=True):
-        table.stays = run.facts.stays_of(sightings)
 
 
 def keep_since(run: Run, tables: Sequence[Found]) -> None:

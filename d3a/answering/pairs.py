@@ -6,6 +6,7 @@ Relations are made of these. What is unknown of a pair is NaN, and stays so.
 from __future__ import annotations
 
 from dataclasses import dataclass, field, fields, replace
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,7 +33,7 @@ THIN_M = 0.8
 SURFACE_SHARE = 0.25
 """What is measured of a thing lies so far before its middle, as a share of its depth: it is between
 the middle, where a detector may put it, and the surface, which a depth camera measures."""
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(24)
+_NODES = 24  # of Gauss's rule
 _TAIL = 6.0  # deviations, beyond which a bell is nothing
 
 
@@ -228,12 +229,19 @@ def displaced_within(pairs: Pairs, limit_m: float, spread: Floats) -> Floats:
     span = np.maximum(np.minimum(radius, off + _TAIL * spread) - low, 0.0)
     total = np.zeros(len(pairs))
     with np.errstate(invalid="ignore"):
-        for node, weight in zip(_NODES, _WEIGHTS, strict=True):
+        for node, weight in _rule():
             x = low + span * (node + 1) / 2
             half = np.sqrt(np.maximum(radius**2 - x**2, 0.0)) / spread
             bell = np.exp(-(((x - off) / spread) ** 2) / 2) / np.sqrt(2 * np.pi)
             total += weight * bell * (2 * normal_cdf(half) - 1)
         return np.asarray(total * span / (2 * spread))
+
+
+@lru_cache(maxsize=1)
+def _rule() -> tuple[tuple[float, float], ...]:
+    """Return Gauss's rule, (node, weight) each; what solves for it is loaded when it is used."""
+    nodes, weights = np.polynomial.legendre.leggauss(_NODES)
+    return tuple(zip(nodes.tolist(), weights.tolist(), strict=True))
 
 
 def as_factor(evidence: Floats) -> Floats:

@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from itertools import combinations_with_replacement, count
 
-from d3a.answering.bounded import find_stays_late, finds_stays_late, keep_since
+from d3a.answering.bounded import finds_stays_late, keep_since
 from d3a.answering.gathering import Ties, gathered, of_two_things, scattered
 from d3a.answering.joined import (
     between_moments,
@@ -16,7 +16,16 @@ from d3a.answering.joined import (
     pair_moments,
     without_relation,
 )
-from d3a.answering.joins import CARRIED, GROUNDED, HOLDS, STANDING, SYMMETRIC, Asked, Related
+from d3a.answering.joins import (
+    CARRIED,
+    GROUNDED,
+    HOLDS,
+    STANDING,
+    SYMMETRIC,
+    Asked,
+    Related,
+    meeting,
+)
 from d3a.answering.linked import Link
 from d3a.answering.moments import Found, Moment, common_span, in_slice
 from d3a.answering.run import Run, milliseconds
@@ -146,7 +155,7 @@ def _related(
             object_ids=figure.ids, with_ids=ground.ids, start_ms=first, end_ms=last
         )
     if finds_stays_late(run):
-        find_stays_late(run, figure, ground, encounters)
+        _find_stays_late(run, figure, ground, encounters)
     links = asked.links(encounters)
     if step.kind != "between":
         links = [link for link in links if link.standing or _meets(step, link)]
@@ -157,6 +166,15 @@ def _related(
             with_ids=sorted({link.ground[0] for link in links}),
         )
     return asked.judged(links, beside)
+
+
+def _find_stays_late(
+    run: Run, figure: Found, ground: Found, encounters: Sequence[Encounter]
+) -> None:
+    """Find the stays of those sightings that may meet."""
+    met = meeting(figure.sightings, ground.sightings, encounters)
+    for table, sightings in zip((figure, ground), met, strict=True):
+        table.stays = run.facts.stays_of(sightings)
 
 
 def _is_of_some_time(run: Run) -> bool:

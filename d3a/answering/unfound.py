@@ -7,7 +7,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from d3a.answering.changes import by_object, left_places
 from d3a.answering.conclude import least_of
 from d3a.answering.distinct import may_be_one, things_of
 from d3a.answering.moments import Found, Moment, in_slice, single
@@ -147,6 +146,8 @@ def _seen_apart(run: Run, step: ExplainEmpty, var: str) -> None:
     first: within a round, too, a thing may be carried. Else tell what left its place and was not
     seen again.
     """
+    from d3a.answering.changes import by_object, left_places  # what was found does without
+
     table, time = run.found[var], looked_at(step.time)
     start, end = milliseconds(time.start), milliseconds(time.end)
     inside = [s for s in table.sightings if in_slice(s, start, end)]

@@ -7,7 +7,7 @@ import sqlite3
 import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import closing, contextmanager
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from d3a.model import Json
-from d3a.store import schema, sqlite_check, sqlite_errors, sqlite_read, sqlite_repair
+from d3a.store import schema, sqlite_errors, sqlite_read
 from d3a.store.base import (
     Area,
     Batch,
@@ -35,9 +35,7 @@ from d3a.store.base import (
     TaughtName,
     View,
 )
-from d3a.store.expected import check_expected
 from d3a.store.lease import Lease
-from d3a.store.records import dump_records
 from d3a.store.rows import (
     READERS,
     Row,
@@ -47,8 +45,7 @@ from d3a.store.rows import (
     stay_record,
     view_record,
 )
-from d3a.store.sqlite_connection import BUSY_TIMEOUT_S, connect, traced
-from d3a.store.sqlite_dump import Moment
+from d3a.store.sqlite_connection import BUSY_TIMEOUT_S, traced
 from d3a.store.sqlite_newest import Newest, StayRows, count_seen
 from d3a.store.sqlite_read import Select
 
@@ -60,6 +57,7 @@ class SqliteStore:
     """`Store` in one file. One connection behind a lock: threads may share the store.
 
     connection: of `connect`, to a file that `sqlite_file` has prepared; the store closes it.
+    What no question needs is imported where it is used: `d3a ask` loads the rest each time.
     """
 
     def __init__(self, path: Path, connection: sqlite3.Connection) -> None:
@@ -88,7 +86,8 @@ class SqliteStore:
     # writing
     def apply(self, batch: Batch) -> None:
         """Apply a batch in one transaction; the log is on the disk when this returns."""
-        from d3a.store.limits import check_batch  # a question does without what writes
+        from d3a.store.expected import check_expected
+        from d3a.store.limits import check_batch
         from d3a.store.sqlite_write import Writer
 
         check_batch(batch)
@@ -368,21 +367,25 @@ class SqliteStore:
 
     def counts(self) -> Json:
         """Return how many records of each kind there are, and the size with the log in bytes."""
+        from d3a.store.sqlite_check import counts, size
+
         with self._lock, self._translated():
-            counted = sqlite_check.counts(self._db)
-        log = self._path.with_name(self._path.name + "-wal")
-        sizes = [file.stat().st_size for file in (self._path, log) if file.exists()]
-        return {**counted, "bytes": sum(sizes)}
+            counted = counts(self._db)
+        return {**counted, "bytes": size(self._path)}
 
     def check(self) -> list[str]:
         """Return what is damaged or dangling, a sentence each; [] for a sound store."""
+        from d3a.store.sqlite_check import check
+
         with self._lock, self._translated():
-            return sqlite_check.check(self._db, trees=self._trees)
+            return check(self._db, trees=self._trees)
 
     def repair(self) -> list[str]:
         """Mend what `check` finds, where it can be, in one transaction; a sentence each."""
+        from d3a.store.sqlite_repair import repair
+
         with self.turn():
-            return sqlite_repair.repair(self._db, trees=self._trees)
+            return repair(self._db, trees=self._trees)
 
     def tracing(self, observer: Callable[[NativeQuery], None] | None) -> None:
         """Call `observer` after every query of a question; None stops it."""
@@ -390,10 +393,7 @@ class SqliteStore:
 
     def dump(self) -> Iterator[Json]:
         """Yield every record in a fixed order, from one moment, whatever is written meanwhile."""
+        from d3a.store.sqlite_dump import dump
+
         with self._translated():
-            if self._db.in_transaction:
-                yield from dump_records(Moment(self._db))
-                return
-            with closing(connect(self._path, read_only=True)) as connection:
-                connection.execute("BEGIN")
-                yield from dump_records(Moment(connection))
+            yield from dump(self._db, self._path)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import sqlite3
+from pathlib import Path
 
 from d3a.store.errors import DAMAGED_PAGES
 from d3a.store.schema import SLACK_M
@@ -85,6 +86,12 @@ def counts(connection: sqlite3.Connection) -> dict[str, int]:
     columns = ", ".join(f"(SELECT count(*) FROM {table})" for table in _COUNTED.values())
     row = connection.execute(f"SELECT {columns}").fetchone()
     return dict(zip(_COUNTED, row, strict=True))
+
+
+def size(path: Path) -> int:
+    """Return the bytes of a file and of its log."""
+    log = path.with_name(path.name + "-wal")
+    return sum(file.stat().st_size for file in (path, log) if file.exists())
 
 
 def check(connection: sqlite3.Connection, *, trees: bool) -> list[str]:

@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import json
 import sqlite3
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import closing
+from pathlib import Path
 from typing import Any
 
-from d3a.store.records import Picture, Record
+from d3a.model import Json
+from d3a.store.records import Picture, Record, dump_records
 from d3a.store.rows import READERS
+from d3a.store.sqlite_connection import connect
 
 
 class Moment:
@@ -36,3 +40,13 @@ class Moment:
         """Return the checkpoint."""
         row = self._db.execute("SELECT value FROM state").fetchone()
         return row[0] if row else None
+
+
+def dump(connection: sqlite3.Connection, path: Path) -> Iterator[Json]:
+    """Yield every record in a fixed order: of the connection's transaction, or of the file now."""
+    if connection.in_transaction:
+        yield from dump_records(Moment(connection))
+        return
+    with closing(connect(path, read_only=True)) as other:
+        other.execute("BEGIN")
+        yield from dump_records(Moment(other))
