@@ -162,14 +162,14 @@ def _text(name: str, value: object, *, empty: bool = True) -> None:
 
 
 def _whole(name: str, value: object, low: int = 0, high: int = _MAX_WHOLE) -> None:
-    if not isinstance(value, Integral):
+    if not isinstance(value, (int, Integral)):  # the abstract one alone is asked slowly
         raise _Outside(f"{name} must be a whole number, not {value!r}")
     if not low <= int(value) <= high:
         raise _Outside(f"{name} {value} is outside of {low}..{high}")
 
 
 def _number(name: str, value: object, low: float = -math.inf, high: float = math.inf) -> None:
-    if not isinstance(value, Real) or not math.isfinite(value):
+    if not isinstance(value, (float, int, Real)) or not math.isfinite(value):
         raise _Outside(f"{name} must be a finite number, not {value!r}")
     if not low <= float(value) <= high:
         raise _Outside(f"{name} {value} is outside of {low:g}..{high:g}")

@@ -26,7 +26,7 @@ class Place:
     never was, by the depth around its first view. hits of chances: looks
     that found it of looks that could have; misses: looks in a row that did not, throughs: those of
     them that saw what is behind. seen_from: where the camera was when it was seen; missed_from:
-    where it was lately, and when, when it was not. looks: where the camera was in the latest looks,
+    where it was lately, and when, when it was not. looks: x y z of the camera in the latest looks,
     their shares, and whether they found it, the next over the oldest; looked: how many there were.
     """
 
@@ -46,7 +46,7 @@ class Place:
     throughs: int = 0
     seen_from: list[Position] = field(default_factory=list)
     missed_from: list[tuple[Position, int]] = field(default_factory=list)
-    looks: list[tuple[Position, float, bool]] = field(default_factory=list)
+    looks: list[tuple[float, float, float, float, bool]] = field(default_factory=list)
     looked: int = 0
     row: int = -1
 

@@ -133,15 +133,14 @@ class Positions:
 
     def put_look(self, place: Place, at: int) -> None:
         """Take over one of the latest looks at a place."""
-        (x, y, z), share, found = place.looks[at]
-        self._looks[place.row, :, at] = (x, y, z, share, found)
+        self._looks[place.row, :, at] = place.looks[at]
 
     def put_looks(self, place: Place) -> None:
         """Take over the latest looks at a place."""
         looks, count = self._looks[place.row], len(place.looks)
         looks[:3], looks[3:] = np.nan, 0.0
         if count:
-            looks[:, :count] = np.array([(*eye, *told) for eye, *told in place.looks]).T
+            looks[:, :count] = np.array(place.looks).T
 
     def put_sides(self, place: Place) -> None:
         """Take over from where a place was seen."""

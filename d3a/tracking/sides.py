@@ -75,7 +75,7 @@ def remember_look(place: Place, eye: Position, share: float, found: bool) -> int
 
     Returns where in `place.looks` it is.
     """
-    at, look = place.looked % LOOKS_KEPT, (eye, share, found)
+    at, look = place.looked % LOOKS_KEPT, (*eye, share, found)
     if at < len(place.looks):
         place.looks[at] = look
     else:
