@@ -43,12 +43,14 @@ GONE_MOST = 5.0
 """Log-odds that looks in vain count for at most."""
 LOOK_LEAST = -1.0
 """Log-odds of looks that speak against a move: below, places alone do not say what came."""
-PLAIN_LOOK, LEFT_LEAST = 3.0, 3.0
+PLAIN_LOOK, LEFT_LEAST = 3.0, 2.5
 """A look whose log-odds tell a thing from all others of its category; and log-odds of its absence
 from which a thing may be elsewhere, whatever it looks like. A link needs one of them."""
 MORE_SEEN, MORE_GONE = 1.1, 0.25
 """A pair that was no plain move is asked again when what turned up was seen so many times as often,
 or the place that was left has so much more evidence: in between little is known that could tell."""
+ASK_AGAIN_MS = 1_800_000
+"""And after so long: by then more is known of how alike things look, and of what else may be."""
 ASKED_MOST = 1 << 16
 """Pairs of which that is remembered at most."""
 Pair = tuple[Known, int]
@@ -100,15 +102,15 @@ class Moves:
         self._kinds = Kinds(memory, parameters.confirm_sightings)
         self.others: dict[str, list[float]] = {}
         """By category (BINS,): how often two different things of it were so much alike."""
-        self.asked: dict[tuple[int, int], tuple[float, float]] = {}
+        self.asked: dict[tuple[int, int], tuple[float, float, int]] = {}
         """By the numbers of the new and the old of pairs that were asked: from how many views of
-        the new, and from what evidence of absence of the old, they are asked again."""
+        the new, from what evidence of absence of the old, and when they are asked again."""
         self.compared: set[int] = set()
         """Numbers of the things that `others` has learned from."""
         self._dense: dict[str, Floats] = {}
         """What `_densities` has told by category, until more is learned."""
 
-    def find(self, changed: set[int]) -> list[Link]:
+    def find(self, changed: set[int], now_ms: int) -> list[Link]:
         """Return the moves that are likelier than all else that either thing may be, together.
 
         changed: numbers of the things that were seen, or missed, since the last call; a move has
@@ -120,14 +122,14 @@ class Moves:
                 self._compare(kind)
         links: list[Link] = []
         for name, kind in kinds.items():
-            if pairs := self._pairs(kind, changed):
+            if pairs := self._pairs(kind, changed, now_ms):
                 # Any other of the category may have come, or one that is not known.
                 brought = self._parameters.move_odds - math.log(len(kind.lasts) - 1)
                 asked = Asked(kind, self._looks_of(kind, name), brought)
                 links += [link for pair in pairs if (link := self._link(asked, *pair)) is not None]
         return sorted(links, key=lambda link: (link.new.number, link.old.number))
 
-    def _pairs(self, kind: Kind, changed: set[int]) -> list[Pair]:
+    def _pairs(self, kind: Kind, changed: set[int], now_ms: int) -> list[Pair]:
         """Return what may be a move of a category, with one of the changed things at either end.
 
         Of those that were asked before only where more is known of either end since.
@@ -148,28 +150,31 @@ class Moves:
                 if last_ms < first_ms
                 and (is_missed or is_changed)
                 and new is not old
-                and self._is_due(new, old, min(place.evidence, GONE_MOST))
+                and self._is_due(new, old, min(place.evidence, GONE_MOST), now_ms)
             ]
         return pairs
 
-    def _is_due(self, new: Known, old: Known, gone: float) -> bool:
+    def _is_due(self, new: Known, old: Known, gone: float, now_ms: int) -> bool:
         """Say whether a pair is to be asked, as it is not known or more is known of it; note it."""
         key = new.number, old.number
         due = self.asked.get(key)
-        if due is not None and new.seen < due[0] and gone < due[1]:
+        if due is not None and new.seen < due[0] and gone < due[1] and now_ms < due[2]:
             return False
         if len(self.asked) >= ASKED_MOST:
             self.asked.clear()
-        self.asked[key] = new.seen * MORE_SEEN, gone + MORE_GONE
+        self.asked[key] = new.seen * MORE_SEEN, gone + MORE_GONE, now_ms + ASK_AGAIN_MS
         return True
 
     def asked_rows(self) -> Floats:
-        """Return `asked` as rows (n, 4), in the order in which the pairs were asked first."""
-        return np.array([(*key, *due) for key, due in self.asked.items()]).reshape(-1, 4)
+        """Return `asked` as rows (n, 5), in the order in which the pairs were asked first."""
+        return np.array([(*key, *due) for key, due in self.asked.items()]).reshape(-1, 5)
 
     def restore_asked(self, rows: Floats) -> None:
         """Go on with what `asked_rows` gave."""
-        self.asked = {(int(new), int(old)): (seen, gone) for new, old, seen, gone in rows.tolist()}
+        self.asked = {
+            (int(new), int(old)): (seen, gone, int(due_ms))
+            for new, old, seen, gone, due_ms in rows.tolist()
+        }
 
     def _names(self, changed: set[int]) -> list[str]:
         """Return the categories of the confirmed ones of the changed things."""

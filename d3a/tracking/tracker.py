@@ -274,7 +274,7 @@ class TrackerPipeline:
         return all(p.evidence + p.doubt >= least for p in thing.places)
 
     def _link(self, changed: set[int]) -> None:
-        for link in self._moves.find(changed):
+        for link in self._moves.find(changed, self._now_ms):
             if link.old.row < 0 or self._is_told(link.new):
                 continue  # the old one was itself linked just now: the next look tells
             was = (link.new.object_id, link.new.places[0].number)
@@ -355,7 +355,7 @@ class TrackerPipeline:
         learned, parts = self._matcher.to_state()
         arrays |= parts
         arrays["doubts"] = self._doubts.counts
-        arrays["asked"] = self._moves.asked_rows()
+        arrays["asked_moves"] = self._moves.asked_rows()
         arrays["doubt"] = np.array(self._categories.doubt)
         looking, parts = self._absence.to_state()
         arrays |= parts
@@ -384,8 +384,8 @@ class TrackerPipeline:
         others = record.get("others", {})  # stores of earlier releases are forgotten from too
         self._moves.others = {kind: list(counts) for kind, counts in others.items()}
         self._moves.compared = set(record["compared"])
-        if "asked" in arrays:  # older checkpoints have none: all is asked once more
-            self._moves.restore_asked(arrays["asked"])
+        if "asked_moves" in arrays:  # older checkpoints have none: all is asked once more
+            self._moves.restore_asked(arrays["asked_moves"])
         self._categories.doubt = (float(arrays["doubt"][0]), float(arrays["doubt"][1]))
         self._categories.counts.update(record["categories"])
         self._absence.restore(record["absence"], arrays)

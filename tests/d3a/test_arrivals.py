@@ -152,7 +152,7 @@ def test_in_another_light_it_is_the_same_where_nothing_was_before(
     placed(memory, 1, [0.7, 0.714, 0.0], brought())
     for hour in range(looks_before):
         look(absence.looked, scene(hour * HOUR_MS))
-    links = moves.find({0, 1})
+    links = moves.find({0, 1}, 10 * HOUR_MS)
     assert [(link.old.number, link.new.number) for link in links] == [(0, 1)] * is_linked
 
 

@@ -18,6 +18,7 @@ from d3a.tracking.likelihood import LookModel
 from d3a.tracking.look_space import LookSpace
 from d3a.tracking.memory import Memory
 from d3a.tracking.moves import (
+    ASK_AGAIN_MS,
     BINS,
     LEFT_LEAST,
     MORE_GONE,
@@ -28,6 +29,7 @@ from d3a.tracking.moves import (
     Moves,
 )
 
+NOW_MS = 10_000
 LEAST = DEFAULT.move_probability
 ALIKE, UNLIKE = int(0.95 * BINS), int(0.6 * BINS)
 
@@ -86,7 +88,7 @@ def test_a_changed_look_is_enough_where_there_is_only_one_such_thing(
     for number in range(2, 2 + others):
         _thing(memory, number, [0.0, 0.0, 1.0], 0, 3000)
         moves.compared.add(number)
-    links = moves.find({0, 1})
+    links = moves.find({0, 1}, NOW_MS)
     assert [(link.old.number, link.new.number) for link in links] == ([(0, 1)] if is_linked else [])
 
 
@@ -96,7 +98,7 @@ def test_a_stranger_s_look_is_no_move_even_of_the_only_such_thing() -> None:
     old = _thing(memory, 0, [1.0, 0.0, 0.0], 0, 1000)
     old.places[0].evidence, old.places[0].misses = 9.0, 3
     _thing(memory, 1, [0.0, 1.0, 0.0], 2000, 3000)
-    assert moves.find({0, 1}) == []
+    assert moves.find({0, 1}, NOW_MS) == []
 
 
 def test_what_is_learned_of_others_counts_at_once() -> None:
@@ -148,7 +150,7 @@ def test_the_moves_are_those_that_every_rival_leaves_plain(seed: int) -> None:
     numbers = {id(thing.places[0]): thing.number for thing in moves._memory.things.values()}
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(moves._absence, "came", lambda place: came[numbers[id(place)]])
-        found = [(link.new.number, link.old.number) for link in moves.find(set(came))]
+        found = [(link.new.number, link.old.number) for link in moves.find(set(came), NOW_MS)]
     assert found == _plain(moves, came)
 
 
@@ -177,10 +179,11 @@ def test_a_pair_is_asked_again_only_when_more_is_known_of_it(
         moves.asked.clear()
         moves.restore_asked(rows)  # a checkpoint changes nothing
         asked.clear()
-        assert moves.find({0, 1}) == []
+        assert moves.find({0, 1}, NOW_MS) == []
         told.append(len(asked))
     assert told == [1, 0, 0, 1, 0, 1, 1]
     left.evidence = 30.0  # no look in vain tells more than enough of them do
-    asked.clear()
-    moves.find({0, 1})
-    assert asked == []
+    for later_ms, is_asked in ((ASK_AGAIN_MS - 1, False), (ASK_AGAIN_MS, True)):
+        asked.clear()
+        moves.find({0, 1}, NOW_MS + later_ms)
+        assert bool(asked) == is_asked  # what is known of all others may be more by then

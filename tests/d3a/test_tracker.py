@@ -341,7 +341,7 @@ def test_a_chain_of_moves_found_at_once_is_linked_one_by_one(
     frames = [single(n, cup(5.0 * (n // 2), look=1 + n // 2)) for n in range(6)]
     frames += [single(6 + n, pose=Pose((0.0, 50.0 * n, 0.0), FORWARD)) for n in range(2)]
 
-    def chained(moves: Moves, changed: set[int]) -> list[Link]:
+    def chained(moves: Moves, changed: set[int], now_ms: int) -> list[Link]:
         known = [moves._memory.things[number] for number in sorted(moves._memory.things)]
         if len(known) < 3:
             return []
