@@ -5,7 +5,7 @@ A link whose relation is more likely than not makes a moment of its two sighting
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Container, Mapping, Sequence
 from math import prod
 
 import numpy as np
@@ -14,18 +14,22 @@ from d3a import relations
 from d3a.answering.joins import HOLDS, Related
 from d3a.answering.linked import Link
 from d3a.answering.moments import Found, Moment, entry_of
-from d3a.answering.standing import BY_START, Standing, Timeline
+from d3a.answering.standing import BY_START, Standing, Timeline, was_there
 from d3a.store.base import Sighting, StayKey
 
 
-def tellings(related: Related, figure: Found, ground: Found) -> list[tuple[Link, float]]:
+def tellings(
+    related: Related, figure: Found, ground: Found, settled: Container[StayKey]
+) -> list[tuple[Link, float]]:
     """Return each time at which a relation is told that is more likely than not, and how likely.
 
-    What stood together is told by each sighting of either at which the other was not seen.
+    What stood together is told by each sighting of either at which the other was not seen, but was
+    there by all that is known. settled: see `standing.was_there`.
     """
     likely = np.flatnonzero(related.probability >= HOLDS).tolist()  # False for NaN
     held = [(related.links[row], float(related.probability[row])) for row in likely]
-    standing = Standing(figure, ground, [link for link, _ in held if link.standing is not None])
+    stood = [link for link, _ in held if link.standing is not None]
+    standing = Standing(figure, ground, stood, settled)
     out: list[tuple[Link, float]] = []
     for link, p in held:
         told = (link,) if link.standing is None else standing.told(link)
@@ -33,10 +37,12 @@ def tellings(related: Related, figure: Found, ground: Found) -> list[tuple[Link,
     return out
 
 
-def pair_moments(related: Related, figure: Found, ground: Found) -> list[Moment]:
-    """Return the moments in which the relation held."""
+def pair_moments(
+    related: Related, figure: Found, ground: Found, settled: Container[StayKey]
+) -> list[Moment]:
+    """Return the moments in which the relation held; settled: see `standing.was_there`."""
     out: list[Moment] = []
-    for link, p in tellings(related, figure, ground):
+    for link, p in tellings(related, figure, ground, settled):
         a, b = link.seen()
         entries = (entry_of(figure, a), entry_of(ground, b))
         out.append(Moment(entries, link.start_ms, link.end_ms, relation=p))
@@ -65,13 +71,16 @@ def chain_moments(moments: Sequence[Moment], more: Sequence[Moment]) -> list[Mom
 
 
 def between_moments(
-    figure: Found, grounds: Sequence[Found], found: Sequence[Related]
+    figure: Found,
+    grounds: Sequence[Found],
+    found: Sequence[Related],
+    settled: Container[StayKey],
 ) -> list[Moment]:
     """Return the moments in which the figure was between one thing of each ground, by start.
 
     grounds, found: one for each of the two other things; the same twice for "between the chairs".
     It is told of what was seen of the three at once; and of three that stood at their places at one
-    time by what was seen of any then.
+    time by what was seen of any then. settled: see `standing.was_there`.
     """
     one, two = found[0], found[-1]
     rows = _threes(one.links, two.links, same=grounds[0] is grounds[-1])
@@ -80,7 +89,7 @@ def between_moments(
     left, right = (np.array(side, dtype=np.intp) for side in zip(*rows, strict=True))
     shared = [_frame(one.links[i]) == _frame(two.links[j]) for i, j in rows]
     held = relations.between(one.pairs.at(left), two.pairs.at(right), np.array(shared))
-    at_once = _AtOnce(figure, grounds)
+    at_once = _AtOnce(figure, grounds, settled)
     told: list[Moment] = []
     for standing in (False, True):
         for (i, j), p in zip(rows, held.tolist(), strict=True):
@@ -118,8 +127,10 @@ def _at_once(one: Link, two: Link) -> bool:
 class _AtOnce:
     """The moments of three things at one time, each time told once for the same three stays."""
 
-    def __init__(self, figure: Found, grounds: Sequence[Found]) -> None:
-        self._tables = figure, grounds[0], grounds[-1]
+    def __init__(
+        self, figure: Found, grounds: Sequence[Found], settled: Container[StayKey]
+    ) -> None:
+        self._tables, self._settled = (figure, grounds[0], grounds[-1]), settled
         self._seen = [Timeline(table, table.stays) for table in self._tables]
         self._told: dict[tuple[StayKey, ...], list[tuple[int, int]]] = {}
 
@@ -145,8 +156,8 @@ class _AtOnce:
             if any(start <= span[1] and end >= span[0] for start, end in known):
                 continue
             known.append(span)
-            if asked:
-                told = tuple(of.nearest(stay, sighting) for of, stay in each)
+            told = tuple(of.nearest(stay, sighting) for of, stay in each)
+            if asked and all(was_there(sighting, one, self._settled) for one in told):
                 out.append(self._moment(told, span, probability))
         return out
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from itertools import combinations_with_replacement, count
 
 from d3a.answering.bounded import finds_stays_late, keep_since
@@ -64,24 +64,42 @@ def relate_found(run: Run, step: Relate) -> None:
     if step.keep == "figure":
         _keep_holders(figure, holders(found), negated=step.negated)
         return
-    moments = _moments(step, figure, grounds, found)
+    moments = _moments(step, figure, grounds, found, _settled(run, step, tables, found))
     run.moments = [moment for moment in moments if _meets(step, moment)]
     if not run.moments and not step.negated and step.kind != "between":
         _find_all_stays(run, figure)
 
 
+def _settled(
+    run: Run, step: Relate, tables: Sequence[Found], found: Sequence[Related]
+) -> Collection[StayKey]:
+    """Return the stays of what is not carried: it was there though it was not seen.
+
+    Things in one place need not have been there at one time: of any of them the place is enough.
+    """
+    if not any(link.standing for related in found for link in related.links):
+        return ()
+    if step.kind == "same_place":
+        return {stay for table in tables for stay in table.stays}
+    return run.facts.carriers(run.lexicon).stays.keys()
+
+
 def _moments(
-    step: Relate, figure: Found, grounds: Sequence[Found], found: Sequence[Related]
+    step: Relate,
+    figure: Found,
+    grounds: Sequence[Found],
+    found: Sequence[Related],
+    settled: Collection[StayKey],
 ) -> list[Moment]:
     """Return when the relation held of the figure and a thing of each ground, or did not."""
     if step.kind == "between":
-        held = between_moments(figure, grounds, found)
+        held = between_moments(figure, grounds, found, settled)
         return not_between(figure, held) if step.negated else held
     if step.negated:
         return without_relation(figure, found, grounds)
-    moments = pair_moments(found[0], figure, grounds[0])
+    moments = pair_moments(found[0], figure, grounds[0], settled)
     for ground, related in zip(grounds[1:], found[1:], strict=True):
-        moments = chain_moments(moments, pair_moments(related, figure, ground))
+        moments = chain_moments(moments, pair_moments(related, figure, ground, settled))
     return moments
 
 

@@ -1,7 +1,8 @@
 """What stood where at one time, though no frame and no interval shows it of both.
 
 A couch that was seen in its corner before and after the tv was seen in its own was there then too:
-a thing that is seen again at its place was there in between.
+a thing that is seen again at its place was there in between. What is carried may have been away
+for as long: of it only what was seen of both within one round tells that they stood together.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from d3a.answering.distinct import ROUND_GAP_MS
 from d3a.answering.linked import Link
 from d3a.answering.moments import Found, positions
 from d3a.answering.pairs import SAME_SPOT_M, Floats
@@ -93,13 +95,24 @@ class Timeline:
         return min(around, key=lambda s: _gap_ms(s, one))
 
 
+def was_there(one: Sighting, seen: Sighting, settled: Container[StayKey]) -> bool:
+    """Whether a thing was at its place at a sighting of another, by its nearest sighting there.
+
+    settled: the stays of what is never carried, so that it was there at any time.
+    """
+    return seen.stay in settled or _gap_ms(one, seen) <= ROUND_GAP_MS
+
+
 class Standing:
     """What tells of two that stood at their places at one time: each sighting of either then.
 
-    links: of which it is asked.
+    links: of which it is asked. settled: see `was_there`.
     """
 
-    def __init__(self, figure: Found, ground: Found, links: Sequence[Link]) -> None:
+    def __init__(
+        self, figure: Found, ground: Found, links: Sequence[Link], settled: Container[StayKey]
+    ) -> None:
+        self._settled = settled
         if links:  # most relations are told by frames alone
             self._figure = Timeline(figure, {link.figure for link in links})
             self._ground = Timeline(ground, {link.ground for link in links})
@@ -107,8 +120,8 @@ class Standing:
     def told(self, link: Link) -> list[Link]:
         """Return the link for each sighting that was asked for and is within its time, by start.
 
-        Beside it stands the other's nearest in time. What was seen of both at once has a link of
-        its own.
+        Beside it stands the other's nearest in time, if that tells that it was there then. What was
+        seen of both at once has a link of its own.
         """
         assert link.standing is not None
         (low, high), out = link.standing, []
@@ -119,7 +132,9 @@ class Standing:
         for own, stay, others, other_stay, turned in sides:
             for one in own.within(stay, link.standing):
                 other = others.nearest(other_stay, one)
-                if own.is_asked(one) and _gap_ms(one, other) > 0:
+                if not own.is_asked(one) or _gap_ms(one, other) <= 0:
+                    continue
+                if was_there(one, other, self._settled):
                     begun, ended = max(one.start_ms, low), min(one.end_ms, high)
                     both = (other, one) if turned else (one, other)
                     out.append(link._replace(start_ms=begun, end_ms=ended, sightings=both))
@@ -165,7 +180,8 @@ def within_reach(here: Floats, there: Floats, reach_m: float) -> tuple[Rows, Row
 def _runs(found: Found, *, timeless: bool) -> list[_Run]:
     """Return when things were at places that are known, by id and time.
 
-    From the first to the last time that a stay has, as far as the thing was not seen elsewhere.
+    From the first to the last time that a stay has; but where a thing was seen elsewhere before or
+    after, only as far as it was seen there: when it moved in between is not known.
     What was seen but once may be a mistake: of it nothing says that it stood anywhere.
     timeless: all of a stay is one run, of whatever was seen.
     """
@@ -182,15 +198,16 @@ def _runs(found: Found, *, timeless: bool) -> list[_Run]:
             runs.append([sighting])
     out: list[_Run] = []
     for _, runs in sorted(of.items()):
-        ends = [max(s.end_ms for s in run) for run in runs]
-        begins = [run[0].start_ms for run in runs]
         for k, run in enumerate(runs):
             stay = found.stays.get(run[0].stay)
             if stay is None or stay.position is None:
                 continue
-            first = stay.first_ms if timeless else max([stay.first_ms, *ends[:k][-1:]])
-            last = stay.last_ms if timeless else min([stay.last_ms, *begins[k + 1 :][:1]])
-            out.append(_Run(stay.key, min(first, begins[k]), max(last, ends[k]), run))
+            begun, ended = run[0].start_ms, max(s.end_ms for s in run)
+            if timeless or k == 0:
+                begun = min(stay.first_ms, begun)
+            if timeless or k == len(runs) - 1:
+                ended = max(stay.last_ms, ended)
+            out.append(_Run(stay.key, begun, ended, run))
     newest = sorted(range(len(out)), key=lambda k: -out[k].end_ms)[:MOST_RUNS]
     return [out[k] for k in sorted(newest)]
 

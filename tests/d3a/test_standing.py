@@ -140,24 +140,54 @@ def test_what_stands_between_is_told_by_what_was_seen_of_any_while_all_stood() -
     lamp, book = found("lamp", [(0, 0), (0, 60)]), found("book", [(2, 10), (2, 70)])
     related = [Asked("between", cup, each, DEFAULT) for each in (lamp, book)]
     met = [each.judged(each.links(())) for each in related]
-    moments = between_moments(cup, [lamp, book], met)
+    moments = between_moments(cup, [lamp, book], met, ())
     assert [(moment.start_ms, moment.end_ms) for moment in moments] == [(10, 10), (60, 60)]
     told = [[entry.sighting.start_ms for entry in moment.entries] for moment in moments]
     assert told == [[5, 0, 10], [65, 60, 70]]
 
 
-def test_each_time_that_either_is_seen_while_both_stand_is_told() -> None:
-    home = by_turns()
-    home.seen("c", 30, at=(1.0, 0, 0))
+@pytest.mark.parametrize(
+    ("ground", "told"),
+    [
+        ("couch", ["c-0-5", "c-0-30", "c-0-65"]),  # never carried, it stood there all the time
+        ("lamp", ["c-0-5", "c-0-65"]),  # half an hour from either time that it was seen there
+    ],
+)
+def test_what_may_be_carried_stood_beside_what_one_round_showed(
+    ground: str, told: list[str]
+) -> None:
+    home = Home()
+    home.thing("l", ground, extent_m=(1.5, 0.8) if ground == "couch" else None)
+    home.thing("c", "cup")
+    for name, x, times in (("l", 0.0, (0, 60)), ("c", 1.0, (5, 30, 65))):
+        for time in times:
+            home.seen(name, time, at=(x, 0, 0))
     store = home.into(OracleStore())
-    query = asked("near", "cup", "lamp")
+    query = asked("near", "cup", ground)
     whole = execute(plan(query), store, Words(), now=NOW, limit=50, parameters=DEFAULT)
     shown = {k.frame for k in whole.keyframes if k.object_id == "c"}
-    assert shown == {"c-0-5", "c-0-30", "c-0-65"}
-    time = TimeSlice(at(25), at(35))  # the lamp was seen before and after
-    within = replace(query, time=time)
+    assert shown == {*told}
+    within = replace(query, time=TimeSlice(at(25), at(35)))  # the ground was seen before and after
     answer = execute(plan(within), store, Words(), now=NOW, limit=50, parameters=DEFAULT)
-    assert [k.frame for k in answer.keyframes] == ["c-0-30", "l-0-0"]
+    within_it = ["c-0-30", "l-0-0"] if "c-0-30" in told else []
+    assert [k.frame for k in answer.keyframes] == within_it
+
+
+def test_a_thing_that_moved_is_not_where_it_was_until_it_was_seen_elsewhere() -> None:
+    home = Home()
+    home.thing("bear", "teddy bear", extent_m=(0.3, 0.4))
+    home.thing("l", "couch", extent_m=(1.9, 0.8))
+    for time, place in ((0, 0), (280, 1), (600, 0)):
+        home.seen("bear", time, at=(0.5 + 4.0 * place, 0, 0), place=place)
+    for time in (0, 275, 600):
+        home.seen("l", time, at=(0, 0, 0))
+    store = home.into(OracleStore())
+    query = asked("near", "teddy bear", "couch")
+    whole = execute(plan(query), store, Words(), now=NOW, limit=50, parameters=DEFAULT)
+    assert {k.frame for k in whole.keyframes} == {"bear-0-0", "l-0-0", "bear-0-600", "l-0-600"}
+    afternoon = replace(query, time=TimeSlice(at(240), at(480)))
+    answer = execute(plan(afternoon), store, Words(), now=NOW, limit=50, parameters=DEFAULT)
+    assert (answer.status, answer.reason) == ("not_found", "not_there")
 
 
 def test_a_wall_parts_what_no_frame_shows_together() -> None:
