@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from bisect import bisect_left, bisect_right
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from operator import itemgetter
 from typing import Self
 
 import numpy as np
@@ -315,7 +317,10 @@ def often(run: Run, step: KeepOften) -> list[Moment]:
     of: dict[str, list[Moment]] = {}
     for moment in sorted(moments, key=lambda m: (m.end_ms, m.start_ms)):
         of.setdefault(moment.figure.sighting.object_id, []).append(moment)
-    shown = {name: {k for m in so for k in _looks_at(looks, m)} for name, so in of.items()}
+    shown = {
+        name: {k for m in so for k in looks_at(looks, m.start_ms, m.end_ms)}
+        for name, so in of.items()
+    }
     by_kind: dict[str, list[tuple[set[int], Moment]]] = {}
     for name, so in sorted(of.items(), key=lambda each: (-len(shown[each[0]]), each[0])):
         things = by_kind.setdefault(so[-1].figure.candidate.record.category, [])
@@ -332,8 +337,19 @@ def often(run: Run, step: KeepOften) -> list[Moment]:
     ]
 
 
-def _looks_at(looks: Sequence[tuple[int, int]], moment: Moment) -> list[int]:
-    """Return the looks that a moment touches; where it lies between two, the nearer."""
-    apart = [max(start - moment.end_ms, moment.start_ms - end, 0) for start, end in looks]
-    nearest = min(apart)
-    return [number for number, away in enumerate(apart) if away == nearest]
+def looks_at(looks: Sequence[tuple[int, int]], start_ms: int, end_ms: int) -> Sequence[int]:
+    """Return the looks that a closed span touches; where it lies between two, the nearer.
+
+    looks: (start, end) by time, none of them touching another.
+    """
+    first = bisect_left(looks, start_ms, key=itemgetter(1))
+    after = bisect_right(looks, end_ms, key=itemgetter(0))
+    if first < after:
+        return range(first, after)
+    apart: dict[int, int] = {}
+    if first:
+        apart[first - 1] = start_ms - looks[first - 1][1]
+    if after < len(looks):
+        apart[after] = looks[after][0] - end_ms
+    nearest = min(apart.values())
+    return [number for number, away in apart.items() if away == nearest]
