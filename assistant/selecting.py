@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from dataclasses import fields
 from datetime import datetime
+from typing import NamedTuple
 
 from assistant.asking import ask_query, read_question
 from assistant.config import SettingsError, moment_of
 from assistant.lexicon import VocabularyLexicon
+from assistant.wording import NOT_SURE
+from d3a.answer import RankedKeyframe
 from d3a.answering.match import squash
 from d3a.model import BadInput
 from d3a.plan import Precision
@@ -27,20 +31,32 @@ _SILENT = frozenset(("the", "a", "an", "all", "every", "each", "any", "of", "my"
 _WORD = re.compile(r"[^\W_]+")
 
 
+LOOKS_SO = 0.5
+"""A thing is meant by a look that is at least so likely its own, however seldom it was seen."""
+
+
 class NothingMeant(BadInput):
     """Words, or a place, that name nothing in the store; the message says what there is."""
 
 
-def things_meant(store: Store, words: str, *, now: datetime, elsewhere: str = "") -> frozenset[str]:
-    """Return the ids of the objects that are meant: an id itself, a taught name, or a description.
+class Meant(NamedTuple):
+    """The ids of what is meant; and, told as "clock o26", what only may look as described."""
+
+    ids: frozenset[str]
+    doubtful: tuple[str, ...] = ()
+
+
+def things_meant(store: Store, words: str, *, now: datetime, elsewhere: str = "") -> Meant:
+    """Return the objects that are meant: by an id itself, a taught name, or a description.
 
     "o12", "keys", "my keys", "the red cup". What is done to them may have no undo, so all of a
     description has to be used: where or when a thing was, how many, or what it is not is refused.
+    What an answer would list but not name, as it hardly looks so, is not meant.
     elsewhere: what says that instead. Raises NothingMeant where nothing is meant, BadInput for
     a description that says more than can be used, StoreError where the store fails.
     """
     if store.objects(ids=[words], embeddings=False):
-        return frozenset([words])
+        return Meant(frozenset([words]))
     try:
         query = read_question(store, f"Did you ever see {words}?", now=now)
     except QuestionError as error:
@@ -54,16 +70,37 @@ def things_meant(store: Store, words: str, *, now: datetime, elsewhere: str = ""
         if answer.status == "error":
             raise BadInput(answer.message or answer.answer)
         if answer.status == "found":
-            ids = frozenset(keyframe.object_id for keyframe in answer.keyframes)
-            _check_owned(store, words, query.objects[0].owner, ids, named=rung == "perfect")
+            meant = clearly_meant(words, answer.keyframes)
+            _check_owned(store, words, query.objects[0].owner, meant.ids, named=rung == "perfect")
             if answer.unjudged:
                 found = " and ".join(f"“{said}”" for said in answer.unjudged)
                 raise BadInput(_refusal(words, f"this store cannot tell what is {found}"))
-            return ids
+            return meant
     known = [category for category, _ in store.categories()]
     near = answer.suggestions or VocabularyLexicon().nearest(words, known)
     hint = f"; the nearest that are: {', '.join(near)}" if near else ""
     raise NothingMeant(f"nothing in the store is {words!r}{hint}")
+
+
+def clearly_meant(words: str, keyframes: Sequence[RankedKeyframe]) -> Meant:
+    """Return the things of a list apart by whether they are likely to look as described.
+
+    Raises NothingMeant where none is.
+    """
+    clear = frozenset(
+        each.object_id
+        for each in keyframes
+        if each.score >= NOT_SURE
+        or all(chance >= LOOKS_SO for chance in each.why.get("attributes", {}).values())
+    )
+    rest = {k.object_id: k.category for k in keyframes if k.object_id not in clear}
+    doubtful = tuple(f"{category} {id_}" for id_, category in rest.items())
+    if not clear:
+        raise NothingMeant(
+            f"nothing in the store is surely {words!r}; give the id where one of these is meant: "
+            f"{', '.join(doubtful)}"
+        )
+    return Meant(clear, doubtful)
 
 
 def _refusal(words: str, why: str, elsewhere: str = "") -> str:

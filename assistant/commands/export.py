@@ -49,7 +49,7 @@ def command(
         if what:
             now = now_of(settings, store)
             try:
-                meant = [things_meant(store, words, now=now) for words in what]
+                meant = [things_meant(store, words, now=now).ids for words in what]
             except NothingMeant as error:
                 raise Failure(str(error), ExitCode.NOTHING) from error
             ids = frozenset().union(*meant)

@@ -128,10 +128,15 @@ def _selection(
         None if end is None else selecting.end_meant(end, now),
     )
     try:
+        meant = selecting.things_meant(store, text, now=now, elsewhere=_ELSEWHERE) if text else None
+        if meant is not None and meant.doubtful:
+            click.echo(
+                f"note: {', '.join(meant.doubtful)} may look so too, and stays; "
+                "give the id of what shall go too",
+                err=True,
+            )
         return Selection(
-            object_ids=selecting.things_meant(store, text, now=now, elsewhere=_ELSEWHERE)
-            if text
-            else None,
+            object_ids=None if meant is None else meant.ids,
             categories=people_of(store, VocabularyLexicon()) if people else None,
             region=selecting.place_meant(store, place) if place else None,
             time=slice_,

@@ -12,8 +12,10 @@ from typing import Any
 import pytest
 from click.testing import CliRunner, Result
 
+from assistant.asking import ask
 from assistant.cli import main
-from assistant.selecting import unused
+from assistant.selecting import Meant, NothingMeant, clearly_meant, unused
+from d3a.answer import RankedKeyframe
 from d3a.store import open_store
 from grammar import parse
 from grammar.forms import Correction, FormalQuery, ObjectTerm, Relation, TimeSlice, Where
@@ -135,3 +137,31 @@ def test_every_other_field_of_a_query_is_refused(more: dict[str, Any]) -> None:
     query: FormalQuery = parse("Did you ever see the cup?", now=small_home.NOW)
     assert unused(query, "the cup") == ""
     assert unused(replace(query, **more), "the cup")
+
+
+@pytest.fixture
+def cup(run: Run) -> RankedKeyframe:
+    """Return the row of the small home's cup."""
+    with closing(open_store("home.db")) as store:
+        (row,) = ask(store, "Did you see a cup?", now=small_home.NOW).keyframes
+    return row
+
+
+def looking(row: RankedKeyframe, object_id: str, chance: float, score: float) -> RankedKeyframe:
+    """Return the row as of another thing, with a chance of its look and a score."""
+    why = {**row.why, "attributes": {"red": chance}}
+    return replace(row, object_id=object_id, score=score, why=why)
+
+
+def test_what_hardly_looks_as_described_is_kept_and_told(cup: RankedKeyframe) -> None:
+    rows = [
+        looking(cup, "o1", 0.97, 0.9),
+        looking(cup, "o2", 0.9, 0.1),  # seen once, and red
+        looking(cup, "o3", 0.34, 0.57),  # likely after all, as an answer would tell
+        looking(cup, "o4", 0.1, 0.2),
+        looking(cup, "o4", 0.1, 0.1),
+    ]
+    assert clearly_meant("red thing", rows) == Meant(frozenset(("o1", "o2", "o3")), ("cup o4",))
+    with pytest.raises(NothingMeant, match=r"surely 'red thing'.* cup o4"):
+        clearly_meant("red thing", rows[3:])
+    assert clearly_meant("cup", [replace(cup, score=0.05)]).ids == {"cup-1"}
