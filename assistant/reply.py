@@ -270,10 +270,11 @@ def _when(answer: Answer, query: FormalQuery, now: datetime) -> str:
         return f"{told} {gone}".strip()
     if len(heads) == 1:
         return f"{sentence_case(seen_when(best, now))}{there}. I saw {thing} once."
-    first = min(heads, key=lambda k: (k.first, k.rank)).first.astimezone(now.tzinfo)
-    more = f"{occasions(len(heads))}{' or more' if answer.truncated else ''}"
     newest = seen_when(newest_of(answer), now)
-    opening = f"I saw {thing} {more}"
+    opening = f"I saw {thing} {occasions(len(heads))}"
+    if answer.truncated:  # the newest are told: when the first of all was, these do not tell
+        return f"{opening} or more, last {newest}."
+    first = min(heads, key=lambda k: (k.first, k.rank)).first.astimezone(now.tzinfo)
     return f"{opening}, first {day_of(first, now)} at {clock(first)} and last {newest}."
 
 

@@ -104,3 +104,15 @@ def test_drawn_queries_have_the_answers_of_records(home: Home, query: FormalQuer
             read_as(patch, whole)
             answers.append(told(ask_query(store, query, now=NOW, limit=500)))
     assert answers[1] == answers[0]
+
+
+def test_no_first_is_told_of_what_is_cut(store: Store) -> None:
+    now = store_now(store, "last", lambda: NOW)
+    said = "When did you see a cup?"
+    whole, cut = (ask(store, said, now=now, limit=limit) for limit in (2_000, 2))
+    assert cut.truncated
+    assert not whole.truncated
+    assert ", first " in whole.answer
+    assert " or more, last " in cut.answer
+    assert " first " not in cut.answer
+    assert cut.answer.split("last ")[1] == whole.answer.split("last ")[1]
