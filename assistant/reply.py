@@ -147,7 +147,8 @@ def _yes(answer: Answer, query: FormalQuery) -> str:
         return "I did: "
     if not is_one(query):
         return "No, there was: "
-    return "They were: " if said_many(query, term_of(query)) else "It was: "
+    verb = "They were" if said_many(query, term_of(query)) else "It was"
+    return f"{verb}, as far as I saw: " if query.select == "last" else f"{verb}: "
 
 
 def _where(answer: Answer, query: FormalQuery, now: datetime) -> str:

@@ -6,6 +6,7 @@ import re
 from dataclasses import replace
 from itertools import pairwise
 
+from assistant.phrases import is_one
 from d3a.parameters import Parameters
 from d3a.plan import Lasting, Plan, Precision, plan
 from grammar.forms import FormalQuery
@@ -42,7 +43,7 @@ def planned(query: FormalQuery, parameters: Parameters, precision: Precision | N
 def chooses_a_sighting(query: FormalQuery) -> bool:
     """Whether `last` tells which sighting: what did you last see here, not what is here now."""
     words = _words(query.text)
-    past = any(w in _WAS for w in words) and not any(w in _NOW for w in words)
+    past = _says_past(words) and not any(w in _NOW for w in words)
     return query.ask == "what" and query.select == "last" and past
 
 
@@ -78,21 +79,32 @@ def as_of_now(query: FormalQuery) -> FormalQuery:
 
     "What is on the table?" is about the present and "What was on the table?" about all times;
     their formal queries are the same. Only what may be somewhere is asked so: a relation or a
-    place, and no time. Since when it has been so is asked of what is there still.
+    place, and no time. Since when it has been so is asked of what is there still. Of one thing
+    that is not there now no sighting tells that was elsewhere before: it asks whether it is there.
     """
     somewhere = query.relation is not None or query.place is not None
     asked = query.ask in ("what", "whether", "count") and query.select == "all"
     now = somewhere and asked and query.time is None and _is_present(query.text)
     if not now and lasting(query) != "newest":
         return query
-    return replace(query, select="last")
+    is_elsewhere = query.contrary and not (now and is_one(query))
+    return replace(query, select="last", contrary=is_elsewhere)
 
 
 def _is_present(text: str) -> bool:
     """Whether a verb of being stands in the present, and no other in the past."""
     words = _words(text)
     now = any(w in _IS or (w.endswith("'s") and w[:-2] in _ASKING) for w in words)
-    return now and not any(w in _WAS for w in words)
+    return now and not _says_past(words)
+
+
+def _says_past(words: list[str]) -> bool:
+    """Whether any word is one of the past; left of a thing and to the left are sides."""
+    sides = zip(["", *words], words, [*words[1:], ""], strict=False)
+    return any(
+        word in _WAS and not (word == "left" and (before == "the" or after == "of"))
+        for before, word, after in sides
+    )
 
 
 def _words(text: str) -> list[str]:

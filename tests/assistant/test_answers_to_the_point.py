@@ -171,6 +171,34 @@ def test_what_is_asked_not_to_have_been_there_is_told_with_where_it_was_too(home
     assert told(home, "Was there no cup in the kitchen today?").startswith("No, there was: I saw")
 
 
+def test_what_is_asked_not_to_be_there_is_there_or_is_not(home: Home) -> None:
+    home.thing("bowl", "bowl")
+    home.seen("bowl", 0, 5, at=(6, 2, 1), place=1)  # in the hall, and in the kitchen since
+    home.seen("bowl", 60, 65, at=(1, 2, 1))
+    for question in ("Is the bowl not in the kitchen?", "Is the bowl no longer in the kitchen?"):
+        said = told(home, question)
+        assert said.startswith("It was, as far as I saw: I last saw the bowl in the kitchen today")
+    assert told(home, "Is the bowl not in the hall?").startswith("That is right: I last saw")
+    assert told(home, "Is a bowl not in the hall?").startswith("Yes. I last saw a bowl not in the")
+
+
+def test_a_side_is_asked_of_as_it_is_now(home: Home) -> None:
+    viewer = (6.0, -1.0, 1.0, -0.7071, 0.0, 0.0, 0.7071)
+    home.thing("bowl", "bowl")
+    home.seen("bowl", 0, 5, at=(5, 2, 1), viewer=viewer)
+    home.thing("couch", "couch")
+    home.seen("couch", 0, 5, at=(7, 2, 1), viewer=viewer)
+    home.met("bowl", "couch", 0, 5, boxes=((0, 0, 40, 40), (200, 0, 240, 40)), viewer=viewer)
+    for now, then in (("left", "right"), ("to the left", "to the right")):
+        last = told(home, f"Is the bowl {now} of the couch?")
+        assert "I last saw a bowl left of the couch today at 12:05" in last
+        assert "I did not see" in told(home, f"Is the bowl {then} of the couch?")
+    home.seen("bowl", 60, 65, at=(1, 2, 1), place=1)
+    gone = told(home, "Is the bowl left of the couch?")
+    assert gone.startswith("No, not any more. I last saw the bowl today at 13:05")
+    assert "I saw a bowl left of" in told(home, "Was the bowl left of the couch?")
+
+
 def test_a_thing_asked_about_is_told_as_moved_by_itself(home: Home) -> None:
     assert told(home, "Did the cup move?").startswith(
         "The cup may have moved: I saw it in the hall"
