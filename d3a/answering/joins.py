@@ -249,7 +249,7 @@ class Asked:
         so that what is told of two places is the same whenever it is asked.
         """
         more = _of_the_same(found, beside)
-        if self.kind in ("near", "between"):
+        if self.kind != "together":
             found = self._in_sight(found, more)
         match self.kind:
             case "together":  # a shared frame settles it, whatever the geometry
@@ -293,6 +293,8 @@ class Asked:
             return found
         shown = {(k.figure, k.ground) for k in (*found, *more) if k.encounter is not None}
         hidden = [(k.figure, k.ground) for k in found if (k.figure, k.ground) not in shown]
+        if not hidden:
+            return found
         stays = self.figure.stays | self.ground.stays
         asked = [stays[key] for key in sorted({key for both in hidden for key in both})]
         holding = holders_of(self.rooms, [(stay.position, stay.site) for stay in asked])

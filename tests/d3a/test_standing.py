@@ -190,18 +190,27 @@ def test_a_thing_that_moved_is_not_where_it_was_until_it_was_seen_elsewhere() ->
     assert (answer.status, answer.reason) == ("not_found", "not_there")
 
 
-def test_a_wall_parts_what_no_frame_shows_together() -> None:
-    home = by_turns()
-    home.room("kitchen", -1.0, -1.0, 0.5, 1.0)
-    home.room("hall", 0.5, -1.0, 3.0, 1.0)
-    query = asked("near", "cup", "lamp")
-    apart = execute(
-        plan(query), home.into(OracleStore()), Words(), now=NOW, limit=50, parameters=DEFAULT
-    )
-    assert apart.status == "not_found"
-    home.seen("l", 5)
-    home.met("c", "l", 5)
-    shown = execute(
-        plan(query), home.into(OracleStore()), Words(), now=NOW, limit=50, parameters=DEFAULT
-    )
-    assert shown.status == "found"
+@pytest.mark.parametrize("kind", ["near", "on", "above", "left_of"])
+def test_a_wall_parts_what_no_frame_shows_together(kind: RelationKind) -> None:
+    viewer = (0.0, -3.0, 1.2, -0.5, 0.5, -0.5, 0.5)
+    home = Home()
+    home.thing("l", "couch", extent_m=(1.9, 0.8))
+    home.thing("c", "cup", extent_m=(0.1, 0.1))
+    wall = 0.0 if kind == "left_of" else 0.5
+    beside = wall - 0.2 if kind == "left_of" else wall + 0.1
+    for time in (0, 60):
+        home.seen("l", time, time + 5, at=(0.4, 0, 0.4), viewer=viewer)
+        home.seen("c", time, time + 5, at=(beside, 0, 0.86), viewer=viewer)
+
+    def status() -> str:
+        store, query = home.into(OracleStore()), asked(kind, "cup", "couch")
+        return execute(plan(query), store, Words(), now=NOW, limit=50, parameters=DEFAULT).status
+
+    assert status() == "found"
+    home.room("kitchen", -1.0, -1.0, wall, 1.0)
+    assert status() == "found"  # the other is in no room that is known
+    home.room("hall", wall, -1.0, 3.0, 1.0)
+    assert status() == "not_found"
+    shown = ((40, 10, 60, 30), (50, 30, 120, 80))
+    home.met("c", "l", 0, boxes=shown, viewer=viewer)
+    assert status() == "found"
