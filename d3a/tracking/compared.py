@@ -63,9 +63,9 @@ class Gated(NamedTuple):
 
     def by_thing(self, ratios: Floats) -> Floats:
         """Return the evidence of each thing's likeliest place, (2, n, m), from that of rows."""
+        if len(self.things) == len(self.rows) and not self.nowhere and not self.placeless:
+            return ratios  # each has one place
         known = [k for k, (start, stop) in enumerate(self.spans) if start < stop]
-        if len(known) == len(self.things) == len(self.rows) and not self.nowhere:
-            return ratios
         place = np.full((*ratios.shape[:2], len(self.things)), NEVER)
         if known:
             starts = [self.spans[k][0] for k in known]

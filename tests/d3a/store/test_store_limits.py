@@ -89,6 +89,8 @@ REFUSED = [
     (Batch(sightings=[a_sighting(end_ms=MAX_INTERVAL_MS + 1)]), "split it"),
     (Batch(sightings=[a_sighting(probability=1.1)]), "probability 1.1 is outside"),
     (Batch(sightings=[a_sighting(box=(0.0, 0.0, 1.0))]), "box needs 4"),
+    (Batch(sightings=[a_sighting(box=(0.0, 0.0, "1", 1.0))]), "finite number, not '1'"),
+    (Batch(sightings=[a_sighting(viewer=(0.0,) * 6 + (float("inf"),))]), "number, not inf"),
     (Batch(sightings=[a_sighting(viewer=(0.0,) * 6)]), "viewer needs 7"),
     (Batch(sightings=[a_sighting(start_ms=-1)]), "start -1 is outside"),
     (Batch(encounters=[an_encounter(object_a="c")]), "object_a must come before"),
@@ -117,12 +119,20 @@ def test_what_is_outside_of_the_limits_is_refused(batch: Batch, said: str) -> No
     "batch",
     [
         Batch(sightings=[a_sighting(end_ms=MAX_INTERVAL_MS)]),
+        Batch(sightings=[a_sighting(box=(np.float32(0.5), 0, 1.0, np.int64(1)))]),
         Batch(stays=[a_stay(position=(9999.999, -9999.999, -1000.0))]),
         Batch(objects=[an_object(object_id="clé ☕ 钥匙", last_ms=MAX_TIME_MS)]),
         Batch(objects=[an_object(embedding=embedding(4096))]),
         Batch(meta={"$where": "1", "a.b": {"$gt": ""}}),
     ],
-    ids=["an hour", "the map's corner", "any script", "a long embedding", "operators as text"],
+    ids=[
+        "an hour",
+        "numbers of any kind",
+        "the map's corner",
+        "any script",
+        "a long embedding",
+        "operators as text",
+    ],
 )
 def test_what_is_at_the_limits_is_taken(batch: Batch) -> None:
     check_batch(batch)
