@@ -12,6 +12,9 @@ from pathlib import Path
 from typing import Any
 from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 
+import numpy as np
+from numpy.typing import ArrayLike
+
 from d3a.model import BadInput, Box, Detection, Json
 from d3a.readers.base import Skipped
 
@@ -98,6 +101,28 @@ def numbers(value: Any, count: int, name: str) -> tuple[float, ...]:
     if not isinstance(value, Sequence) or isinstance(value, str) or len(value) != count:
         raise BadInput(f"{name} must have {count} numbers")
     return tuple(number(v, name) for v in value)
+
+
+def is_covariance(values: ArrayLike) -> bool:
+    """Whether 36 numbers are a 6 x 6 covariance: finite, symmetric, no variance below 0.
+
+    What rounding does to one of its own size is let pass.
+    """
+    matrix = np.reshape(np.asarray(values, dtype=np.float64), (6, 6))
+    if not np.isfinite(matrix).all():
+        return False
+    slack = 1e-6 * float(np.abs(matrix).max())
+    if float(np.abs(matrix - matrix.T).max()) > slack:
+        return False
+    return float(np.linalg.eigvalsh(matrix)[0]) >= -slack
+
+
+def covariance_of(value: Any) -> tuple[float, ...]:
+    """Return the 36 numbers of a pose's covariance; raises BadInput for what is none."""
+    values = numbers(value, 36, "the covariance")
+    if not is_covariance(values):
+        raise BadInput("it is not symmetric, or has a variance below 0 along some axis")
+    return values
 
 
 def box_of(value: Any) -> Box:

@@ -173,11 +173,18 @@ class RecordingReader:
             return None
         try:
             x, y, z, *turn = parsing.numbers(record["pose"], 7, "the pose")
-            given = record.get("pose_covariance")
-            covariance = None if given is None else parsing.numbers(given, 36, "its covariance")
+            covariance = self._covariance(record.get("pose_covariance"), name)
             return Pose((x, y, z), (turn[0], turn[1], turn[2], turn[3]), covariance)
         except BadInput as error:
             self.skipped.add("broken pose", f"{name} ({error})")
+            return None
+
+    def _covariance(self, given: Any, name: str) -> tuple[float, ...] | None:
+        """Return the pose's covariance; a broken one is counted, and the pose goes on without."""
+        try:
+            return None if given is None else parsing.covariance_of(given)
+        except BadInput as error:
+            self.skipped.add("broken pose covariance", f"{name} ({error})")
             return None
 
     def _detections(self) -> parsing.Rows | None:

@@ -17,6 +17,7 @@ import numpy as np
 
 from d3a.model import BadInput, Pose
 from d3a.readers.base import Link, Skipped
+from d3a.readers.parsing import is_covariance
 from d3a.readers.ros_tf import OPTICAL, Edge, Reach, Samples, Tree, composed
 from d3a.readers.ros_topics import Looked, frame_id_of
 from d3a.readers.tracks import BROKEN_POSE
@@ -95,7 +96,7 @@ def covariance_of(values: Any) -> Covariance | None:
         return None
     matrix[unknown, :] = 0.0
     matrix[:, unknown] = 0.0
-    return tuple(float(v) for v in matrix.ravel())
+    return tuple(float(v) for v in matrix.ravel()) if is_covariance(matrix.ravel()) else None
 
 
 @dataclass(frozen=True, slots=True)

@@ -254,17 +254,30 @@ def test_broken_frames_and_poses_are_counted(tmp_path: Path) -> None:
         frame_line(1, pose=[0, 0, 0, 0, 0, 0, 0]),
         frame_line(2, image="../../secret.jpg"),
         frame_line(3, image="images/none.jpg"),
-        frame_line(4, pose_covariance=[1.0]),
     ]
     reader = open_source(write_recording(tmp_path / "r", frames, []))
     kept = list(reader)
-    assert [frame.name for frame in kept] == ["000001", "000003", "000004"]
-    assert [frame.pose is None for frame in kept] == [True, False, True]
+    assert [frame.name for frame in kept] == ["000001", "000003"]
+    assert [frame.pose is None for frame in kept] == [True, False]
     assert reader.skipped.counts == {
         parsing.BROKEN_FRAME: 2,
-        "broken pose": 2,
+        "broken pose": 1,
         parsing.MISSING_PICTURE: 1,
     }
+
+
+def test_what_is_no_covariance_is_counted_and_the_pose_goes_on_without(tmp_path: Path) -> None:
+    beyond = np.diag([0.01, 0.01, 0, 0, 0, 0.1])
+    beyond[0, 1] = beyond[1, 0] = 0.05  # more shared than either has
+    lopsided = np.diag([0.01] * 6)
+    lopsided[0, 1] = 0.005
+    given = [[1.0], [-1.0] * 36, beyond.ravel().tolist(), lopsided.ravel().tolist(), [0.0] * 36]
+    frames = [frame_line(k, pose_covariance=each) for k, each in enumerate(given)]
+    reader = open_source(write_recording(tmp_path / "r", frames, []))
+    poses = [frame.pose for frame in reader]
+    assert None not in poses
+    assert [pose.covariance is None for pose in poses if pose] == [True] * 4 + [False]
+    assert reader.skipped.counts == {"broken pose covariance": 4}
 
 
 @pytest.mark.parametrize(

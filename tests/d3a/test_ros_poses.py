@@ -222,7 +222,9 @@ def test_covariances_that_say_nothing_are_none() -> None:
     assert found is not None
     assert np.reshape(found, (6, 6)).tolist() == np.diag([0.1, 0.1, 0, 0, 0, 0.2]).tolist()
     nothing = [np.zeros(36), np.full(36, np.nan), np.diag([-1.0, 0, 0, 0, 0, 0]), np.eye(6) * 1e9]
-    assert [covariance_of(np.ravel(each)) for each in nothing] == [None] * 4
+    beyond = np.diag([0.01, 0.01, 0, 0, 0, 0.1])
+    beyond[0, 1] = beyond[1, 0] = 0.05  # more shared than either has
+    assert [covariance_of(np.ravel(each)) for each in (*nothing, beyond)] == [None] * 5
 
 
 def test_moved_covariances_stay_symmetric() -> None:
