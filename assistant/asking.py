@@ -18,6 +18,7 @@ from assistant.lexicon import VocabularyLexicon
 from assistant.own_words import as_heard
 from assistant.reply import sentence
 from assistant.rooms import EVERYTHING, everything_words, in_each_room, told_by_room
+from assistant.several import one_by_one, told_of_each
 from assistant.spots import of_the_spot, on_a_spot, told_as_place, without_itself
 from assistant.tense import planned
 from assistant.whose import whose_words
@@ -217,16 +218,28 @@ def ask_query(
         facts = facts or Facts(store)
         query = on_a_spot(query, facts)
         most = max(limit, EVERYTHING if asks_where_all_is(query) else TOLD_FROM)
-        if rooms := in_each_room(query, facts.regions()):
-            each = [_answered(store, room, facts, now, most, rung) for room in rooms]
-            answer = told_by_room(query, each)
-        else:
-            answer = _answered(store, query, facts, now, most, rung)
-            answer = _said(answer, query, facts, now)
+        answer = _told(store, query, facts, now, most, rung)
     except StoreError as error:
         return replace(failure(query.text, error), query=query)
     answer = within(answer, limit)
     return replace(answer, elapsed_ms=answer.elapsed_ms | {"total": _ms_since(started)})
+
+
+def _told(
+    store: Store,
+    query: FormalQuery,
+    facts: Facts,
+    now: datetime,
+    limit: int,
+    rung: Precision | None,
+) -> Answer:
+    """Return the answer of a formal query with its sentence, by room or by thing where asked so."""
+    if rooms := in_each_room(query, facts.regions()):
+        each = [_answered(store, room, facts, now, limit, rung) for room in rooms]
+        return told_by_room(query, each)
+    if things := one_by_one(query):
+        return told_of_each(query, [_told(store, one, facts, now, limit, rung) for one in things])
+    return _said(_answered(store, query, facts, now, limit, rung), query, facts, now)
 
 
 def _answered(
@@ -305,12 +318,9 @@ def explain(
     steps = planned(query, parameters, rung)
     store.tracing(native.append)
     try:
-        answer = execute(
-            steps, store, VocabularyLexicon(), now=now, limit=50, parameters=parameters
-        )
+        answer = _told(store, query, Facts(store), now, TOLD_FROM, rung)
     finally:
         store.tracing(None)
-    answer = _said(answer, query, facts, now)
     elapsed = {"parse": parsed_ms} | answer.elapsed_ms | {"total": _ms_since(started)}
     return Explanation(query, steps, tuple(native), answer, elapsed)
 
