@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from bisect import bisect_left, bisect_right
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from operator import itemgetter
 from typing import Self
 
 import numpy as np
@@ -14,7 +12,6 @@ from numpy.typing import NDArray
 from d3a.answering import columns
 from d3a.answering.bounded import READ_A_KEYFRAME, worth_of
 from d3a.answering.departures import Left, Looks, share_left
-from d3a.answering.distinct import rounds
 from d3a.answering.many import asked_region, place_stays, spans_asked
 from d3a.answering.moments import Found, Moment, changes_of_place, entry_of, joined, single
 from d3a.answering.run import Run, milliseconds
@@ -239,9 +236,7 @@ def usual(run: Run, step: KeepUsual) -> list[Moment]:
     found, when = run.found[step.var], Slice.of(step)
     many = step.var in run.spans
     spans, there = _anywhere(run, step.var)
-    ends = zip(*(each.tolist() for each in columns.occasions(spans)), strict=True)
-    held = np.array([when.holds(start) or when.holds(end) for start, end in ends], dtype=np.bool_)
-    spans = spans.chosen(held[columns.parts(spans)])
+    spans = held_by(when, spans)
     stay = columns.stay_of(spans)
     newest = columns.lasts(stay, [spans.start_ms])
     share = _shares(found, spans, stay)
@@ -250,17 +245,39 @@ def usual(run: Run, step: KeepUsual) -> list[Moment]:
         newest, share = newest[asked], share[asked]
     if many:
         run.counted = len(np.unique(spans.of[newest]))
-        worth = np.array([worth_of(found.candidates[name]) for name in spans.ids])
-        best = np.argsort(-share * worth[spans.of[newest]], kind="stable")
-        best = best[: READ_A_KEYFRAME * run.limit]
-        run.cut = run.cut or len(best) < len(newest)
-        newest, share = newest[best], share[best]
-        rows = columns.whole(spans, newest)
-        found.sightings = joined(run.store.sightings_at(spans.chosen(rows).which()))
-        found.stays = run.facts.stays_of(found.sightings)
-        place_stays(run, step.var)
+        newest, share = read_best(run, step.var, spans, newest, share)
+    return shared(found, spans, newest, share)
+
+
+def held_by(when: Slice, spans: Spans) -> Spans:
+    """Return of the sightings those that start or end in a slice."""
+    ends = zip(*(each.tolist() for each in columns.occasions(spans)), strict=True)
+    held = np.array([when.holds(start) or when.holds(end) for start, end in ends], dtype=np.bool_)
+    return spans.chosen(held[columns.parts(spans)])
+
+
+def read_best(
+    run: Run, var: str, spans: Spans, rows: NDArray[np.intp], share: NDArray[np.float64]
+) -> tuple[NDArray[np.intp], NDArray[np.float64]]:
+    """Find of these rows what is told, the greatest shares of the likeliest; return them so."""
+    found = run.found[var]
+    worth = np.array([worth_of(found.candidates[name]) for name in spans.ids])
+    best = np.argsort(-share * worth[spans.of[rows]], kind="stable")
+    best = best[: READ_A_KEYFRAME * run.limit]
+    run.cut = run.cut or len(best) < len(rows)
+    which = spans.chosen(columns.whole(spans, rows[best])).which()
+    found.sightings = joined(run.store.sightings_at(which))
+    found.stays = run.facts.stays_of(found.sightings)
+    place_stays(run, var)
+    return rows[best], share[best]
+
+
+def shared(
+    found: Found, spans: Spans, rows: NDArray[np.intp], share: NDArray[np.float64]
+) -> list[Moment]:
+    """Return the found sightings that these rows are of, each with its share."""
     starting = by_object(found.sightings)
-    told = zip(spans.chosen(newest).which(), share.tolist(), strict=True)
+    told = zip(spans.chosen(rows).which(), share.tolist(), strict=True)
     return [single(found, _holding(starting, key))._replace(share=part) for key, part in told]
 
 
@@ -300,56 +317,3 @@ def _shares(found: Found, spans: Spans, stay: NDArray[np.int64]) -> NDArray[np.f
         both = columns.met(of, spans.start_ms[rows], spans.end_ms[rows], len(numbers))
         total[numbers] += ~both @ seen[numbers]
     return np.asarray(lengths / total[of_stay])
-
-
-def often(run: Run, step: KeepOften) -> list[Moment]:
-    """Return the newest moment of each thing with the share of the looks that showed it so.
-
-    A look is a round in which the ground was seen, or in the asked place anything at all. Things of
-    one category that were never there in one look count together: a cup was there each time.
-    """
-    when, moments = Slice.of(step), run.answering(step.var)
-    moments = [m for m in moments if when.holds(m.start_ms) or when.holds(m.end_ms)]
-    ground = run.found[step.ground or step.var].sightings
-    ground = [s for s in ground if when.holds(s.start_ms) or when.holds(s.end_ms)]
-    ground = ground or [moment.figure.sighting for moment in moments]  # a ground nobody knows
-    looks = [(one[0].start_ms, max(s.end_ms for s in one)) for one in rounds(ground)]
-    of: dict[str, list[Moment]] = {}
-    for moment in sorted(moments, key=lambda m: (m.end_ms, m.start_ms)):
-        of.setdefault(moment.figure.sighting.object_id, []).append(moment)
-    shown = {
-        name: {k for m in so for k in looks_at(looks, m.start_ms, m.end_ms)}
-        for name, so in of.items()
-    }
-    by_kind: dict[str, list[tuple[set[int], Moment]]] = {}
-    for name, so in sorted(of.items(), key=lambda each: (-len(shown[each[0]]), each[0])):
-        things = by_kind.setdefault(so[-1].figure.candidate.record.category, [])
-        alike = next((k for k, (own, _) in enumerate(things) if own.isdisjoint(shown[name])), None)
-        if alike is None:
-            things.append((shown[name], so[-1]))
-        else:
-            own, newest = things[alike]
-            things[alike] = own | shown[name], max(newest, so[-1], key=lambda m: m.end_ms)
-    return [
-        moment._replace(share=len(own) / len(looks))
-        for things in by_kind.values()
-        for own, moment in things
-    ]
-
-
-def looks_at(looks: Sequence[tuple[int, int]], start_ms: int, end_ms: int) -> Sequence[int]:
-    """Return the looks that a closed span touches; where it lies between two, the nearer.
-
-    looks: (start, end) by time, none of them touching another.
-    """
-    first = bisect_left(looks, start_ms, key=itemgetter(1))
-    after = bisect_right(looks, end_ms, key=itemgetter(0))
-    if first < after:
-        return range(first, after)
-    apart: dict[int, int] = {}
-    if first:
-        apart[first - 1] = start_ms - looks[first - 1][1]
-    if after < len(looks):
-        apart[after] = looks[after][0] - end_ms
-    nearest = min(apart.values())
-    return [number for number, away in apart.items() if away == nearest]

@@ -66,7 +66,7 @@ def find_many(run: Run, step: FindSightings) -> bool:
         return True
     spans = spans_asked(run, step.var, start, last)
     run.spans[step.var] = spans
-    if KeepUsual not in kept and KeepMissing not in kept:
+    if kept.keys().isdisjoint((KeepUsual, KeepOften, KeepMissing)):
         _choose(run, step, spans)
     if not len(spans):  # what was elsewhere then is told instead
         most = READ_A_KEYFRAME * run.limit
@@ -168,6 +168,6 @@ def _place(run: Run, var: str) -> FilterPlace | None:
 
 def _is_plain(run: Run, var: str) -> bool:
     """Whether the variable stands in no relation, and its noun names no room."""
-    joins = any(isinstance(s, Relate | Gather | FindStretches | KeepOften) for s in run.steps)
+    joins = any(isinstance(s, Relate | Gather | FindStretches) for s in run.steps)
     joins = joins or any(isinstance(s, KeepPresent) and s.anywhere for s in run.steps)
     return not joins and "." not in var and var not in run.rooms

@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import assert_never
 
 from d3a.answering.alternatives import leave_out, take_in
-from d3a.answering.changes import missing, moved, often, usual
+from d3a.answering.changes import missing, moved, usual
+from d3a.answering.often import often
 from d3a.answering.relating import gather, relate_found
 from d3a.answering.run import Run
 from d3a.answering.steps import (

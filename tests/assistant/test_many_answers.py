@@ -43,6 +43,8 @@ SAID = (
     "Did the cup move?",
     "Where is the cup usually?",
     "What is usually in the kitchen?",
+    "What is usually in the den?",
+    "What was usually in the office yesterday?",
     "Did you see a cup and a book?",
     "Is there a zebra in the kitchen?",
 )

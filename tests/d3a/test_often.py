@@ -8,7 +8,7 @@ from itertools import accumulate
 from hypothesis import given
 from hypothesis import strategies as st
 
-from d3a.answering.changes import looks_at
+from d3a.answering.often import looks_at
 
 
 @st.composite
