@@ -75,7 +75,7 @@ _DEFINITE = words_of("the my your our his her their this that these those")
 
 def _no_places(found: FormalQuery, said: list[str], lexicon: Lexicon) -> Iterator[tuple[str, str]]:
     """Yield a word that names no place for things, and why."""
-    on_it = found.relation is not None and found.relation.kind in ("on", "in", "together")
+    on_it = found.relation is not None and found.relation.kind in ("on", "in")
     for term in found.objects[1:]:
         if term.word in scope.lists()["medium"] and on_it:
             yield said[-1], f"“{term.word}” is no place for things"

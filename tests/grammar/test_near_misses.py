@@ -362,3 +362,21 @@ def test_what_the_robot_uses_is_its_own_doing() -> None:
     with pytest.raises(OutOfScope):
         parse("which slam algorithm are you using", now=NOW)
     assert parse("which jar did i use last", now=NOW).select == "last"
+
+
+@pytest.mark.parametrize("thing", ["plant", "mug"])
+@pytest.mark.parametrize(
+    "said",
+    [
+        "When were the {} and the radio seen together?",
+        "When were the radio and the {} together?",
+        "Was the {} ever seen with the radio?",
+    ],
+)
+def test_a_thing_that_says_something_is_seen_together_with_another(said: str, thing: str) -> None:
+    query = parse(said.format(thing), now=NOW)
+    assert query.relation is not None
+    assert query.relation.kind == "together"
+    assert "radio" in [term.category for term in query.objects]
+    with pytest.raises(OutOfScope, match="is no place for things"):
+        parse(f"Is my {thing} on the radio?", now=NOW)
