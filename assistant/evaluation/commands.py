@@ -73,7 +73,13 @@ def simulate_command(
     help="A recording with truth.jsonl instead of simulated ones; may be repeated.",
 )
 @click.option("--seeds", default="0-4", show_default=True, help="Simulated worlds: 0-4, or 3,7.")
-@click.option("--hours", type=click.FloatRange(0.05, 200), default=3.0, show_default=True)
+@click.option(
+    "--hours",
+    type=click.FloatRange(0.05, 200),
+    default=3.0,
+    show_default="3, and 22 for exp3",
+    help="Length of a simulated world; one that is given holds for exp3 too.",
+)
 @click.option(
     "--reading",
     type=click.Choice(("strict", "paper")),
@@ -113,7 +119,7 @@ def evaluate_command(
     from assistant.evaluation import running
     from assistant.evaluation.worlds import lacks
     from assistant.exits import ExitCode
-    from assistant.terminal import emit
+    from assistant.terminal import clean, emit
     from assistant.told import refusal
     from d3a.model import D3AError
 
@@ -134,11 +140,14 @@ def evaluate_command(
                 reading="frame" if reading == "paper" else "strict",
                 count=queries,
                 work=keep,
+                long_hours=hours if _is_given(context, "hours") else running.LONG_HOURS,
             )
     except (D3AError, OSError) as error:
         raise refusal(str(error), ExitCode.USAGE, (), as_json) from error
     if "exp1" in names and not found.exp1:
         click.echo("exp1 needs a simulated world: its codes are drawn from a seed", err=True)
+    for sentence in dict.fromkeys(text for outcome in found.exp2 for text in outcome.refused):
+        click.echo(clean(f"refused, and so a miss: {sentence}"), err=True)
     if as_json:
         emit(found.to_json())
     else:
@@ -150,11 +159,15 @@ def evaluate_command(
 def _refuse_of_seeds(context: click.Context) -> None:
     """Refuse what is said of simulated worlds where recordings are given: these are as they are."""
     for name in ("seeds", "hours", "keep"):
-        if context.get_parameter_source(name) is ParameterSource.COMMANDLINE:
+        if _is_given(context, name):
             raise click.UsageError(
                 f"--{name} is of simulated worlds, and --world DIRECTORY is taken as it is: "
                 "say one of them"
             )
+
+
+def _is_given(context: click.Context, name: str) -> bool:
+    return context.get_parameter_source(name) is ParameterSource.COMMANDLINE
 
 
 def _print(found: Evaluation) -> None:

@@ -58,7 +58,7 @@ class Size:
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """One method on one world."""
+    """One method on one world. refused: questions that count as misses unread, each with why."""
 
     method: Method
     world: World
@@ -69,6 +69,7 @@ class Outcome:
     detections: int
     seconds: float
     associate_s: float
+    refused: tuple[str, ...] = ()
 
     def accuracy(
         self, reading: Reading = "strict", *, perfect: float | None = None, six: bool = False
@@ -148,6 +149,7 @@ def _outcome(
             detections=store.detections,
             seconds=store.seconds,
             associate_s=store.associate_s,
+            refused=tuple(dict.fromkeys(one.refused for one in judged if one.refused is not None)),
         )
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import datetime
 from time import perf_counter
 from typing import Literal
@@ -14,10 +14,11 @@ import numpy as np
 from assistant.evaluation.asking_stores import Asker
 from assistant.evaluation.methods import Filled
 from assistant.evaluation.questions import FORMS, LEVELS, Form, Level, Question
-from d3a.answer import RankedKeyframe
+from d3a.answer import Answer, RankedKeyframe
 from d3a.baselines import Moment, moments_of
 from d3a.metrics import CUT, Rows, Score, ceiling, first_right
 from d3a.truth import Truth
+from grammar import QuestionError
 
 Reading = Literal["strict", "frame"]
 """What counts as found. strict: the keyframe's own box is the asked object (Q2: both asked objects
@@ -45,6 +46,7 @@ class Judged:
     parse_ms: float
     retrieval_ms: float
     evaluation_ms: float
+    refused: str | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,19 +76,36 @@ class Judge:
         self._asker = Asker(run, datetime.fromtimestamp(truth.span_ms[1] / 1000, zone))
 
     def ask_all(self, questions: Sequence[Question]) -> list[Judged]:
-        """Ask every question at every level it has words for."""
+        """Ask every question at every level it has words for; one that is refused is a miss."""
         return [
-            self.ask(question, level)
+            self._ask_or_miss(question, level)
             for question in questions
             for level in LEVELS
             if level in question.texts
         ]
 
+    def _ask_or_miss(self, question: Question, level: Level) -> Judged:
+        before = perf_counter()
+        try:
+            return self.ask(question, level)
+        except QuestionError as error:
+            parse_ms = (perf_counter() - before) * 1000
+            missed = self._judged(question, level, Answer(text=error.text), parse_ms, 0.0)
+            return replace(missed, refused=f"“{error.text}”: {error.reason}")
+
     def ask(self, question: Question, level: Level) -> Judged:
-        """Ask one question at one level, in words, and judge the answer."""
+        """Ask one question at one level, in words, and judge the answer.
+
+        Raises QuestionError for one that the grammar refuses, StoreError where the store fails.
+        """
         before = perf_counter()
         answer, parse_ms = self._asker.ask(question.texts[level], level)
         retrieval_ms = (perf_counter() - before) * 1000 - parse_ms
+        return self._judged(question, level, answer, parse_ms, retrieval_ms)
+
+    def _judged(
+        self, question: Question, level: Level, answer: Answer, parse_ms: float, retrieval_ms: float
+    ) -> Judged:
         before = perf_counter()
         moments = moments_of(answer)
         ids = len({keyframe.object_id for keyframe in answer.keyframes})

@@ -142,6 +142,47 @@ def test_words_outside_of_the_vocabulary_are_not_taken_for_a_miss(
             judge.ask(Question("Q1", (0,), {"category": "Did you ever flurb?"}), "category")
 
 
+def test_a_refused_question_is_a_miss_that_is_named_and_the_others_are_asked(
+    source: Recorded, work: Path
+) -> None:
+    read = draw(source.truth, source.zone, np.random.default_rng(0), count=1)[0]
+    questions = [Question("Q1", (0,), {"category": "Is it going to rain?"}), read]
+    with filled(NAIVE, source, work / "stores") as run:
+        refused, *answered = Judge(run, source.truth, source.zone).ask_all(questions)
+    assert refused.refused is not None
+    assert "Is it going to rain?" in refused.refused
+    assert refused.empty
+    assert all(score.missed() for score in refused.scores.values())
+    assert len(answered) == len(read.texts)
+    assert [one.refused for one in answered] == [None] * len(answered)
+    assert not all(one.empty for one in answered)
+
+
+def test_evaluate_command_names_a_refused_question_once(source: Recorded, tmp_path: Path) -> None:
+    folder = tmp_path / "odd"
+    shutil.copytree(source.folder, folder)
+    for name in ("detections.jsonl", "truth.jsonl"):
+        lines = [json.loads(line) for line in (folder / name).read_text("utf-8").splitlines()]
+        text = "".join(json.dumps(line | {"category": "weather"}) + "\n" for line in lines)
+        (folder / name).write_text(text, encoding="utf-8")
+    arguments = ["exp2", "--world", str(folder), "--queries", "1", "--quiet", "--json"]
+    done = CliRunner().invoke(evaluate_command, arguments)
+    assert done.exit_code == 0, done.output
+    told = [line for line in done.stderr.splitlines() if line.startswith("refused")]
+    assert told
+    assert len(told) == len(set(told))
+    assert all("weather" in line for line in told)
+    assert any(outcome["refused"] for outcome in json.loads(done.stdout)["exp2"])
+
+
+def test_hours_that_are_given_hold_for_the_growth_too() -> None:
+    arguments = ["exp3", "--seeds", "3", "--hours", str(HOURS), "--quiet", "--json"]
+    done = CliRunner().invoke(evaluate_command, arguments)
+    assert done.exit_code == 0, done.output
+    grown = json.loads(done.stdout)["exp3"]
+    assert {growth["world"]["hours"] for growth in grown} == {HOURS}
+
+
 def test_keyframes_of_the_papers_way_are_a_union_in_order_of_probability() -> None:
     seen = datetime(2020, 1, 1, tzinfo=UTC)
 
