@@ -12,6 +12,7 @@ from time import perf_counter
 from typing import Literal, cast, get_args
 from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 
+from assistant.beside import where_it_is
 from assistant.english import ORDINALS
 from assistant.forgotten_words import but_forgotten
 from assistant.lexicon import VocabularyLexicon
@@ -239,7 +240,13 @@ def _told(
         return told_by_room(query, each)
     if things := one_by_one(query):
         return told_of_each(query, [_told(store, one, facts, now, limit, rung) for one in things])
-    return _said(_answered(store, query, facts, now, limit, rung), query, facts, now)
+    answer = _answered(store, query, facts, now, limit, rung)
+    if where := where_it_is(answer, query):
+        its = _answered(store, where, facts, now, limit, rung)
+        if its.status != "found" or its.keyframes[0].last_absent is not None:
+            return replace(answer, answer=_said(its, where, facts, now).answer)
+        answer = replace(answer, otherwise=its.keyframes[0])
+    return _said(answer, query, facts, now)
 
 
 def _answered(

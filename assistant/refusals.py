@@ -20,6 +20,7 @@ from assistant.forced import not_taught
 from assistant.phrases import (
     asked_place,
     definite,
+    described,
     gone_words,
     indefinite,
     is_one,
@@ -76,9 +77,7 @@ def refusal_words(answer: Answer, query: FormalQuery, now: datetime) -> str:
         same = "they are the same" if many else "it was the same one"
         told = f"I saw {things} in {spread}{time}. I cannot be sure that {same}."
     elif change and answer.reason != "gone":
-        verb = "moved" if query.ask == "moved" else ("went missing" if time else "is missing")
-        seen = " that I saw" if query.ask == "missing" and query.relation is not None else ""
-        told = f"As far as I saw, nothing {verb}{seen}{condition}{time}."
+        told = _no_change(answer, query, condition, time)
     elif answer.reason in ("not_then", "not_there"):
         place = condition if answer.reason == "not_there" else ""
         told = f"{opening}I did not see {none}{place}{time}."
@@ -95,6 +94,22 @@ def refusal_words(answer: Answer, query: FormalQuery, now: datetime) -> str:
     if answer.otherwise is None or answer.reason == "not_then":
         told += _last_look(answer, query, now)
     return sentence_case(told)
+
+
+def _no_change(answer: Answer, query: FormalQuery, condition: str, time: str) -> str:
+    """Return that nothing moved or is missing; of one thing, which was seen elsewhere, that not."""
+    term = term_of(query)
+    if answer.otherwise is not None:
+        thing = definite(term, numbered(query, term, answer.unjudged))
+        if query.ask == "moved":
+            return f"I did not see {thing} move{time}."
+        verb = "are" if said_many(query, term) else "is"
+        verb = "did not go" if time else f"{verb} not"
+        return f"As far as I saw, {thing} {verb} missing{time}."
+    none = "nothing" if term.category == ANYTHING else f"no {described(term, answer.unjudged)}"
+    verb = "moved" if query.ask == "moved" else ("went missing" if time else "is missing")
+    seen = " that I saw" if query.ask == "missing" and query.relation is not None else ""
+    return f"As far as I saw, {none} {verb}{seen}{condition}{time}."
 
 
 def _last_look(answer: Answer, query: FormalQuery, now: datetime) -> str:
