@@ -18,6 +18,6 @@ def where_it_is(answer: Answer, query: FormalQuery) -> FormalQuery | None:
     if query.ask not in ("moved", "missing") or not plain or not is_one(query):
         return None
     can_tell = answer.looked_then is not False and answer.reason != "empty" and not answer.apart
-    if answer.status != "not_found" or not can_tell:
-        return None
+    if answer.status != "not_found" or answer.otherwise is not None or not can_tell:
+        return None  # or where it was is known already
     return replace(query, form="Q3", ask="where", select="last", time=None)

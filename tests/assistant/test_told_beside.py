@@ -68,4 +68,6 @@ def test_any_of_a_kind_is_told_as_none_of_it(store: OracleStore) -> None:
 
 def test_what_is_gone_is_not_told_as_not_missing(store: OracleStore) -> None:
     said = answered(store, "Did the apple move?").answer
+    assert said.startswith("I looked again and the apple was gone. I last saw it today at 12:50")
+    said = answered(store, "Did the apple go missing between 12:00 and 12:30 today?").answer
     assert said.startswith("When I looked again today at 16:40 where I had last seen it, it was")
