@@ -98,10 +98,7 @@ def summary_lines(summary: IngestSummary) -> list[str]:
         f"places      {summary.places}",
         f"skipped     {sum(summary.skipped.counts.values())}",
     ]
-    for reason, count in sorted(summary.skipped.counts.items()):
-        named = summary.skipped.examples.get(reason, [])
-        examples = ", ".join(named) + (", …" if count > len(named) else "")
-        lines.append(clean(f"  {count} x {reason}" + (f": {examples}" if examples else "")))
+    lines += [clean(f"  {told}") for told in summary.skipped.told()]
     if summary.forgotten:
         lines.append(f"forgotten   {summary.forgotten} intervals, older than this store keeps them")
     seconds = summary.elapsed_s

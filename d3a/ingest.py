@@ -185,7 +185,8 @@ class _Run:
         with self._stopwatch.stage("read"):
             first = next((frame for frame in frames if frame is not None), None)
         if first is None:
-            raise NothingYet(f"the recording {facts.name!r} has no frame to read")
+            why = "".join(f"; {told}" for told in self._reader.skipped.told())
+            raise NothingYet(f"the recording {facts.name!r} has no frame to read{why}")
         self._check_seen(first)
         key = f"{facts.name}|{first.name}|{first.time_ms}"
         agree(self._intake, self._store, key, self._detector.identity)

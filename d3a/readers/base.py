@@ -64,6 +64,15 @@ class Skipped:
             named = self.examples.setdefault(reason, [])
             named += other.examples.get(reason, [])[: 3 - len(named)]
 
+    def told(self) -> list[str]:
+        """Return a line for each reason: how often, and the first few by name."""
+        lines = []
+        for reason, count in sorted(self.counts.items()):
+            named = self.examples.get(reason, [])
+            examples = ", ".join(named) + (", …" if count > len(named) else "")
+            lines.append(f"{count} x {reason}" + (f": {examples}" if examples else ""))
+        return lines
+
 
 class Reader(Protocol):
     """A recording: an iterator of Frame with the facts around it.

@@ -28,6 +28,7 @@ DETECTIONS = "detections.jsonl"
 EMBEDDINGS = "embeddings.npy"
 SCHEMA = 1
 BROKEN_MAP = "broken map"
+BROKEN_EMBEDDING = "broken embedding, not used"
 FACTS_KNOWN = frozenset(
     {"schema", "recording", "site", "zone", "camera", "embedding", "map"}
     | {"now", "regions", "classes", "unfinished"}
@@ -233,9 +234,19 @@ class RecordingReader:
             box=parsing.box_of(record.get("box")),
             position=position,
             covariance=covariance,
-            embedding=_embedding(record.get("embedding"), embeddings),
+            embedding=self._embedding(record.get("embedding"), embeddings, where),
             row=number,
         )
+
+    def _embedding(
+        self, row: Any, embeddings: Vectors | None, where: str
+    ) -> NDArray[np.float32] | None:
+        """Return the embedding; a broken one is counted, and the detection goes on without."""
+        try:
+            return _embedding(row, embeddings)
+        except BadInput as error:
+            self.skipped.add(BROKEN_EMBEDDING, f"{where} ({error})")
+            return None
 
 
 def _embedding(row: Any, embeddings: Vectors | None) -> NDArray[np.float32] | None:

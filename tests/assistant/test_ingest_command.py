@@ -149,6 +149,17 @@ def test_a_recording_that_cannot_be_read_does_not_stop_the_others(run: Run, tmp_
     assert run("a", "b", "--assignments", "x.jsonl").exit_code == 2
 
 
+def test_a_recording_of_broken_frames_alone_says_why(run: Run, tmp_path: Path) -> None:
+    folder = later(tmp_path / "r", "2020")
+    lines = [json.loads(line) for line in (folder / "frames.jsonl").read_text().splitlines()]
+    broken = [json.dumps(line | {"time": line["time"][:19]}) + "\n" for line in lines]
+    (folder / "frames.jsonl").write_text("".join(broken))
+    result = run("r")
+    assert result.exit_code == 2
+    assert f"no frame to read; {len(lines)} x broken frame: frames.jsonl:1 (" in result.stderr
+    assert "offset" in result.stderr
+
+
 def test_assignments_are_written_once_and_refused_where_they_cannot_be(
     run: Run, tmp_path: Path
 ) -> None:

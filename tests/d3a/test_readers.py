@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from d3a.model import BadInput
 from d3a.readers import parsing
 from d3a.readers.base import Skipped
 from d3a.readers.opening import open_source
+from d3a.readers.recording import BROKEN_EMBEDDING
 from tests.worlds.rounds import depth_png, detection_line, frame_line, jpeg, write_recording
 
 HEADER = (
@@ -204,8 +206,7 @@ def test_a_recording_gives_its_facts(tmp_path: Path) -> None:
 
 
 def test_embeddings_come_by_row_at_unit_length(tmp_path: Path) -> None:
-    rows = [detection_line(0, embedding=1), detection_line(0, embedding=5)]
-    folder = write_recording(tmp_path / "r", [frame_line(0)], rows)
+    folder = write_recording(tmp_path / "r", [frame_line(0)], [detection_line(0, embedding=1)])
     matrix = np.array([[1, 0], [3, 4]], np.float32)
     np.save(folder / "embeddings.npy", matrix)
     reader = open_source(folder)
@@ -213,7 +214,22 @@ def test_embeddings_come_by_row_at_unit_length(tmp_path: Path) -> None:
     (detection,) = frame.detections or ()
     assert detection.embedding is not None
     assert detection.embedding.tolist() == pytest.approx([0.6, 0.8])
-    assert reader.skipped.counts == {parsing.BROKEN_DETECTION: 1}
+    assert reader.skipped.counts == {}
+
+
+@pytest.mark.parametrize("row", [0, 1, 7, -1, True, "2"])
+def test_a_detection_with_a_broken_embedding_is_kept_without_it(tmp_path: Path, row: Any) -> None:
+    rows = [detection_line(0, embedding=2), detection_line(0, embedding=row)]
+    folder = write_recording(tmp_path / "r", [frame_line(0)], rows)
+    np.save(folder / "embeddings.npy", np.array([[0, 0], [np.nan, 1], [3, 4]], np.float32))
+    reader = open_source(folder)
+    (frame,) = reader
+    sound, broken = frame.detections or ()
+    assert sound.embedding is not None
+    assert broken.embedding is None
+    assert (broken.category, broken.box, broken.row) == (sound.category, sound.box, 1)
+    assert reader.skipped.counts == {BROKEN_EMBEDDING: 1}
+    assert reader.skipped.examples[BROKEN_EMBEDDING][0].startswith("detections.jsonl:2 (embedding")
 
 
 def test_pickled_embeddings_are_refused(tmp_path: Path) -> None:
@@ -235,7 +251,7 @@ def test_pickled_embeddings_are_refused(tmp_path: Path) -> None:
         (json.dumps(detection_line(0, category=None)), parsing.BROKEN_DETECTION),
         (json.dumps(detection_line(0, category="\u001b\u200b")), parsing.BROKEN_DETECTION),
         (json.dumps(detection_line(0, position=[1, None, 3])), parsing.BROKEN_DETECTION),
-        (json.dumps(detection_line(0, embedding=0)), parsing.BROKEN_DETECTION),
+        (json.dumps(detection_line(0, embedding=0)), BROKEN_EMBEDDING),
         (json.dumps(detection_line(9)), "detection of an unknown frame"),
         (json.dumps(detection_line(0, colour="red")), "unknown field in detections.jsonl: colour"),
     ],
