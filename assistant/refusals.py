@@ -189,7 +189,7 @@ def _none_of(answer: Answer, query: FormalQuery, term: ObjectTerm) -> str:
 
 def _not_any_more(answer: Answer, query: FormalQuery, now: datetime) -> str:
     """Return what was seen there, but is not there now: where it was seen last."""
-    term, other = term_of(query), answer.otherwise
+    term, other = _refused_term(answer, query), answer.otherwise
     many = said_many(query, term)
     openings = {
         "whether": "" if query.negated else "No, not any more. ",

@@ -112,7 +112,10 @@ def _whether(answer: Answer, query: FormalQuery, now: datetime) -> str:
     if answer.otherwise is not None and not denied:  # it may have moved, under another id
         since = when(answer.otherwise.end, now) + there_words(answer.otherwise, query)
         told = f"I cannot be sure. I last saw {thing}{condition} {said}{where}."
-        return f"{told} I saw {'some' if many else 'one'} that may be the same {since}."
+        other = "some" if many else "one"
+        if kind_of(answer.otherwise) != kind_of(newest):  # what it stood beside was seen elsewhere
+            other = article(kind_of(answer.otherwise))
+        return f"{told} I saw {other} that may be the same {since}."
     if len(heads) == 1 or query.select == "last":
         verb = "last saw" if query.select == "last" else "saw"
         told = f"{opening}I {verb} {thing}{condition} {said}{where}."

@@ -1,26 +1,28 @@
 """What is so still: the newest moments that nothing seen since has ended.
 
 "What is on the table?" asks for what was seen there last and was neither seen elsewhere since nor
-missed there.
+missed there. Of several things in a relation each is judged: where one of them left it holds no
+longer, whichever was said first.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterable, Mapping, Sequence
-from functools import cached_property
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from d3a.answering import columns
-from d3a.answering.distinct import rounds_of
+from d3a.answering.alike import Alike, newest_of
+from d3a.answering.doubts import Doubts
 from d3a.answering.many import spans_asked
 from d3a.answering.moments import Entry, Found, Moment, entry_of, single
 from d3a.answering.run import Run
+from d3a.answering.standing import Timeline
 from d3a.answering.steps import KeepPresent
 from d3a.rank import LEAST_OF_BEST
 from d3a.store.base import Sighting
-from grammar.forms import ANYTHING, ObjectTerm
+from grammar.forms import ANYTHING
 
 
 def keep_present(run: Run, step: KeepPresent) -> None:
@@ -43,74 +45,28 @@ def keep_present(run: Run, step: KeepPresent) -> None:
     if not kept and step.var in run.newest_alone:
         gone += _left_before(run, step.var, newest)
     for moment in gone:
-        sighting = moment.figure.sighting
-        there = term.category == ANYTHING
-        table.gone.append(sighting if there else newest[sighting.object_id])
-    kept = [at_its_newest(moment, table, newest) for moment in kept]
+        _tell_gone(run, step.var, moment, newest)
+    kept = at_their_newest(run, kept, newest)
     if step.anywhere:
-        alike = _Alike(run, step.var, kept, before)  # the newest place counts
-        kept = [moment for moment in kept if not alike.seen_since(moment)]
+        ids = {moment.figure.sighting.object_id for moment in kept}
+        alike = Alike(run, step.var, ids, before)  # the newest place counts
+        kept = [m for m in kept if not alike.seen_since(m.figure.sighting.object_id, m.end_ms)]
     else:
-        kept = _doubted(run, term, table, kept, before)
+        kept = Doubts(run, step.var, kept, before, newest).judged()
     if run.moments is not None:
         run.moments = kept
     else:
         table.sightings = [moment.figure.sighting for moment in kept]
 
 
-class _Alike:
-    """What else of its kind was seen, so that it may be the same thing under another id."""
-
-    def __init__(
-        self, run: Run, var: str, kept: Sequence[Moment], before: Sequence[Sighting]
-    ) -> None:
-        table = run.found[var]
-        kinds = {moment.figure.candidate.record.category for moment in kept}
-        of = {name: c.record.category for name, c in table.candidates.items()}
-        seen = [s for s in before if of.get(s.object_id) in kinds]
-        self._unsure = {name for name, c in table.candidates.items() if c.record.tentative}
-        self._newest, self._seen = newest_of(seen), seen
-        self._first = first_of(seen)
-        self._run, self._is_whole = run, var not in run.newest_alone
-        if not self._is_whole:  # each object's newest sighting was found and no other
-            self._first = first_of(run.store.edges([*self._newest], "first"))
-        self._of_kind: dict[str, list[str]] = {}
-        for name in self._newest:
-            self._of_kind.setdefault(of[name], []).append(name)
-
-    @cached_property
-    def _shown(self) -> dict[str, set[int]]:
-        """The rounds that showed each, by number: of many things they are seldom asked for."""
-        if self._is_whole:
-            return rounds_of(self._seen)
-        spans = self._run.facts.spans(sorted(self._newest), None, None)
-        shown: dict[str, set[int]] = {name: set() for name in spans.ids}
-        numbers = columns.rounds_of(spans.start_ms, spans.end_ms).tolist()
-        for of, number in zip(spans.of.tolist(), numbers, strict=True):
-            shown[spans.ids[of]].add(number)
-        return shown
-
-    def turned_up(self, moment: Moment, besides: Collection[str]) -> list[Sighting]:
-        """Return those that were first seen after the moment, each as it was seen last."""
-        names = self._others(moment, besides)
-        return [self._newest[n] for n in names if self._first[n].start_ms > moment.end_ms]
-
-    def seen_since(self, moment: Moment) -> list[Sighting]:
-        """Return those that were seen after the moment, and never in one round with its thing."""
-        name = moment.figure.sighting.object_id
-        others = [self._newest[other] for other in self._others(moment, ())]
-        return [
-            other
-            for other in others
-            if other.start_ms > moment.end_ms
-            and self._shown[other.object_id].isdisjoint(self._shown[name])
-        ]
-
-    def _others(self, moment: Moment, besides: Collection[str]) -> list[str]:
-        of_kind = self._of_kind[moment.figure.candidate.record.category]
-        mine = moment.figure.sighting.object_id
-        ruled_out = self._unsure.union(besides, (mine,))  # what may be a mistake doubts nothing
-        return [name for name in of_kind if name not in ruled_out]
+def _tell_gone(run: Run, var: str, moment: Moment, newest: Mapping[str, Sighting]) -> None:
+    """Note where that is now which left: the figure, or what it stood in the relation to."""
+    sighting = moment.figure.sighting
+    if run.term(var).category == ANYTHING:
+        run.found[var].gone.append(sighting)
+        return
+    left = next((e for e in moment.entries if not _is_still(e, newest)), moment.figure)
+    run.found[run.var_of(left)].gone.append(newest[left.sighting.object_id])
 
 
 def _left_before(run: Run, var: str, newest: Mapping[str, Sighting]) -> list[Moment]:
@@ -129,37 +85,6 @@ def _left_before(run: Run, var: str, newest: Mapping[str, Sighting]) -> list[Mom
     return [single(table, sighting) for sighting in told]
 
 
-def _doubted(
-    run: Run, term: ObjectTerm, table: Found, kept: list[Moment], before: Sequence[Sighting]
-) -> list[Moment]:
-    """Leave out of a list what may have moved under a new id; tell it of a thing asked for.
-
-    Another of its category turned up elsewhere after it was seen last: it may be that one. So may
-    any that was seen elsewhere since, and never in one round with it: of what is listed that is
-    told apart, but for the large things that stay.
-    """
-    here = {moment.figure.sighting.object_id for moment in kept}
-    alike = _Alike(run, term.var, kept, before)
-    if term.category == ANYTHING:
-        kept = [moment for moment in kept if not alike.turned_up(moment, here)]
-        stay = run.facts.landmarks(run.lexicon) if kept else ()
-        run.doubted = [
-            moment
-            for moment in kept
-            if moment.figure.sighting.object_id not in stay and alike.seen_since(moment)
-        ]
-        return [moment for moment in kept if moment not in run.doubted] or kept
-    doubts: list[list[Sighting]] = []
-    for moment in kept:
-        doubts.append([*alike.turned_up(moment, here), *alike.seen_since(moment)])
-        if not doubts[-1]:  # one of them is there for certain
-            break
-    if doubts and all(doubts):
-        best = max((s for each in doubts for s in each), key=lambda s: (s.end_ms, s.object_id))
-        run.otherwise = single(table, best)
-    return kept
-
-
 def _newest_likeness(
     table: Found, newest: Mapping[str, Sighting], before: Sequence[Sighting]
 ) -> str | None:
@@ -175,46 +100,62 @@ def _newest_likeness(
     return max(likely, key=lambda name: (newest[name].end_ms, name), default=None)
 
 
-def first_of(sightings: Iterable[Sighting]) -> dict[str, Sighting]:
-    """Return the sighting of each object that began first, by object id."""
-    ordered = sorted(sightings, key=lambda s: (s.start_ms, s.place), reverse=True)
-    return {sighting.object_id: sighting for sighting in ordered}
-
-
-def newest_of(sightings: Iterable[Sighting]) -> dict[str, Sighting]:
-    """Return the sighting of each object that ended last, by object id."""
-    ordered = sorted(sightings, key=lambda s: (s.end_ms, s.start_ms, s.place))
-    return {sighting.object_id: sighting for sighting in ordered}
-
-
 def present(
     moments: Sequence[Moment], newest: Mapping[str, Sighting]
 ) -> tuple[list[Moment], list[Moment]]:
-    """Return the newest moment of each object that still holds, and of each that does not.
+    """Return the newest moment of the same objects that still holds, and of those that do not.
 
     newest: of every object of the moments, wherever it was. A moment no longer holds where one of
-    its objects was seen at another place since, or where its place was then seen without it.
+    its objects was seen at another place since, or where its place was then seen without it. Of a
+    figure of which none holds, the newest alone.
     """
-    last: dict[str, Moment] = {}
+    last: dict[tuple[str, ...], Moment] = {}
     for moment in sorted(moments, key=lambda m: (m.end_ms, m.start_ms)):
-        last[moment.figure.sighting.object_id] = moment
+        last[moment.ids] = moment
     kept: list[Moment] = []
-    gone: list[Moment] = []
+    gone: dict[str, Moment] = {}
     for _, moment in sorted(last.items()):
-        (kept if all(_is_still(e, newest) for e in moment.entries) else gone).append(moment)
-    return kept, gone
+        if all(_is_still(e, newest) for e in moment.entries):
+            kept.append(moment)
+        else:
+            figure = moment.figure.sighting.object_id
+            gone[figure] = max(moment, gone.get(figure, moment), key=lambda m: m.end_ms)
+    there = {moment.figure.sighting.object_id for moment in kept}
+    return kept, [moment for figure, moment in gone.items() if figure not in there]
 
 
-def at_its_newest(moment: Moment, found: Found, newest: Mapping[str, Sighting]) -> Moment:
-    """Return a moment that still holds with the newest sighting of its figure.
+def at_their_newest(
+    run: Run, moments: Sequence[Moment], newest: Mapping[str, Sighting]
+) -> list[Moment]:
+    """Return moments that still hold as they were seen last, all of their objects.
 
-    A bowl that was seen on a table, and at the same spot since, was last seen there then.
+    A bowl that was seen on a table, and at the same spot since, was last seen there then. What a
+    thing that is carried lies on, or under, is so as far as that was seen; what stays is no bound.
     """
-    sighting = newest[moment.figure.sighting.object_id]
-    if sighting.end_ms <= moment.end_ms:
-        return moment
-    entries = (entry_of(found, sighting), *moment.entries[1:])
-    return moment._replace(entries=entries, end_ms=sighting.end_ms)
+    settled = run.facts.carriers(run.lexicon).stays if moments else {}
+    out: list[Moment] = []
+    for moment in moments:
+        loose = [e for e in moment.entries if e.sighting.stay not in settled]
+        last = min(
+            (newest[e.sighting.object_id] for e in loose or moment.entries[:1]),
+            key=lambda s: s.end_ms,
+        )
+        if last.end_ms <= moment.end_ms:
+            out.append(moment)
+            continue
+        entries = [_at(run, entry, last, newest) for entry in moment.entries]
+        out.append(moment._replace(entries=tuple(entries), end_ms=last.end_ms))
+    return out
+
+
+def _at(run: Run, entry: Entry, last: Sighting, newest: Mapping[str, Sighting]) -> Entry:
+    """Return an entry as it was seen nearest in time to a sighting of another of its moment."""
+    sighting = newest[entry.sighting.object_id]
+    table = run.found[run.var_of(entry)]
+    if sighting.end_ms > last.end_ms:
+        stay = entry.sighting.stay
+        sighting = Timeline(table, {stay}).nearest(stay, last)
+    return entry_of(table, sighting)
 
 
 def _is_still(entry: Entry, newest: Mapping[str, Sighting]) -> bool:

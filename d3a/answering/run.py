@@ -178,6 +178,12 @@ class Run:
         if condition not in self.unjudged:
             self.unjudged.append(condition)
 
+    def var_of(self, entry: Entry) -> str:
+        """Return the variable that an entry of a moment was found for."""
+        name = entry.sighting.object_id
+        tables = self.found.items()
+        return next(var for var, t in tables if t.candidates.get(name) is entry.candidate)
+
     def term(self, var: str) -> ObjectTerm:
         """Return the object of the query behind a variable, `x.1` for what describes x."""
         name, *deeper = var.split(".")

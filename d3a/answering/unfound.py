@@ -105,10 +105,11 @@ def _why(run: Run, step: ExplainEmpty, var: str) -> None:
         return
     if run.query.ask in ("moved", "missing") or not table.candidates:
         return
-    if table.gone:
-        run.reason = "gone"
-        run.otherwise = _newest(table, table.gone)
-        return
+    for name in dict.fromkeys((var, *(term.var for term in run.query.objects))):
+        if run.found[name].gone:  # or what it stood in the relation to left
+            run.reason, run.otherwise = "gone", _newest(run.found[name], run.found[name].gone)
+            _say_which(run, name)
+            return
     sifted = run.before_relation.get(var) or run.before_place.get(var)
     outside = [] if sifted else _outside(run, step, var)
     if sifted or outside:
