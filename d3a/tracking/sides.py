@@ -64,10 +64,7 @@ def are_familiar(sides: Floats, last: Floats) -> NDArray[np.bool_]:
 
     last: (4, k), x y z of each one's viewpoint, and how far off the place; NaN: it is not familiar.
     """
-    away = sides - last[:3].T[:, :, None]
-    away *= away
-    near_m2 = np.maximum(FAMILIAR_M, FAMILIAR_SHARE * last[3]) ** 2
-    return np.asarray(np.logical_or.reduce(np.add.reduce(away, axis=1) <= near_m2[:, None], axis=1))
+    return np.asarray(np.logical_or.reduce(_near(sides, last), axis=1))
 
 
 def remember_look(place: Place, eye: Position, share: float, found: bool) -> int:
@@ -89,11 +86,16 @@ def looks_near(looks: Floats, last: Floats) -> Floats:
 
     looks: (k, 5, n), see `Positions.looks`; last: as for `are_familiar`.
     """
-    away = looks[:, :3] - last[:3].T[:, :, None]
+    near = _near(looks[:, :3], last)
+    return np.asarray(np.add.reduce(looks[:, 3:] * near[:, None], axis=2).T)
+
+
+def _near(eyes: Floats, last: Floats) -> NDArray[np.bool_]:
+    """Say which viewpoints (k, 3, n) are near those of `last`, by how far off the places are."""
+    away = eyes - last[:3].T[:, :, None]
     away *= away
     near_m2 = np.maximum(FAMILIAR_M, FAMILIAR_SHARE * last[3]) ** 2
-    near = np.add.reduce(away, axis=1) <= near_m2[:, None]
-    return np.asarray(np.add.reduce(looks[:, 3:] * near[:, None], axis=2).T)
+    return np.asarray(np.add.reduce(away, axis=1) <= near_m2[:, None])
 
 
 def share_of_look(latest: list[Look], eye: Position, time_ms: int) -> tuple[float, list[Look]]:
