@@ -42,11 +42,7 @@ class Alike:
         if self._is_whole:
             return rounds_of(self._seen)
         spans = self._run.facts.spans(sorted(self._newest), None, None)
-        shown: dict[str, set[int]] = {name: set() for name in spans.ids}
-        numbers = columns.rounds_of(spans.start_ms, spans.end_ms).tolist()
-        for of, number in zip(spans.of.tolist(), numbers, strict=True):
-            shown[spans.ids[of]].add(number)
-        return shown
+        return columns.shown_in(spans, columns.rounds_of(spans.start_ms, spans.end_ms))
 
     def turned_up(self, name: str, at_ms: int, besides: Collection[str]) -> list[Sighting]:
         """Return those that were first seen after a moment, each as it was seen last."""

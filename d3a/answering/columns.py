@@ -61,6 +61,14 @@ def rounds_of(start_ms: Ints, end_ms: Ints) -> Ints:
     return numbers
 
 
+def shown_in(spans: Spans, numbers: Ints) -> dict[str, set[int]]:
+    """Return the rounds that showed each object, by the number of each sighting's round (n,)."""
+    shown: dict[str, set[int]] = {name: set() for name in spans.ids}
+    for of, number in zip(spans.of.tolist(), numbers.tolist(), strict=True):
+        shown[spans.ids[of]].add(number)
+    return shown
+
+
 def least_number(of: Ints, start_ms: Ints, end_ms: Ints) -> int:
     """Return how many things of one category there must be: the most objects of one round."""
     if not len(of):

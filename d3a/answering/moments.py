@@ -10,7 +10,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from operator import attrgetter
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -148,10 +148,22 @@ def common_span(one: Sequence[Sighting], other: Sequence[Sighting]) -> tuple[int
     return first, last
 
 
-def in_slice(sighting: Sighting, start_ms: int | None, end_ms: int | None) -> bool:
+class Spanning(Protocol):
+    """What has a closed interval of time: a sighting, a moment, a link of two things."""
+
+    @property
+    def start_ms(self) -> int:
+        """Its start, UTC milliseconds."""
+
+    @property
+    def end_ms(self) -> int:
+        """Its end, UTC milliseconds."""
+
+
+def in_slice(told: Spanning, start_ms: int | None, end_ms: int | None) -> bool:
     """Whether a closed interval meets the half-open slice [start, end)."""
-    return (end_ms is None or sighting.start_ms < end_ms) and (
-        start_ms is None or sighting.end_ms >= start_ms
+    return (end_ms is None or told.start_ms < end_ms) and (
+        start_ms is None or told.end_ms >= start_ms
     )
 
 

@@ -53,10 +53,9 @@ def _of_many(run: Run, step: KeepOften) -> list[Moment]:
     start, end = (each[part] for each in columns.occasions(spans))
     looks = columns.rounds_of(spans.start_ms, spans.end_ms)
     rows = columns.lasts(spans.of, [end, start, spans.place])
-    shown: dict[int, set[int]] = {}
-    for of, look in zip(spans.of.tolist(), looks.tolist(), strict=True):
-        shown.setdefault(of, set()).add(look)
-    each = ((spans.ids[spans.of[row]], shown[spans.of[row]], row) for row in rows.tolist())
+    shown = columns.shown_in(spans, looks)
+    names = (spans.ids[of] for of in spans.of[rows].tolist())
+    each = ((name, shown[name], row) for name, row in zip(names, rows.tolist(), strict=True))
     things = _together(run, step.var, each, lambda row: int(end[row]))
     run.counted = len(things)
     share = np.array([len(own) / (int(looks.max()) + 1) for own, _ in things])

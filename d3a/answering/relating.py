@@ -105,8 +105,7 @@ def _moments(
 
 def _meets(step: Relate | Gather, told: Moment | Link) -> bool:
     """Whether what is told meets the slice: what was seen in it may have been so before alone."""
-    start, end = milliseconds(step.start), milliseconds(step.end)
-    return (end is None or told.start_ms < end) and (start is None or told.end_ms >= start)
+    return in_slice(told, milliseconds(step.start), milliseconds(step.end))
 
 
 def _keep_holders(figure: Found, held: Mapping[StayKey, float], *, negated: bool) -> None:
