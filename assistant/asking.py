@@ -218,8 +218,7 @@ def ask_query(
     try:
         facts = facts or Facts(store)
         query = on_a_spot(query, facts)
-        most = max(limit, EVERYTHING if asks_where_all_is(query) else TOLD_FROM)
-        answer = _told(store, query, facts, now, most, rung)
+        answer = _told(store, query, facts, now, max(limit, _told_from(query)), rung)
     except StoreError as error:
         return replace(failure(query.text, error), query=query)
     answer = within(answer, limit)
@@ -247,6 +246,11 @@ def _told(
             return replace(answer, answer=_said(its, where, facts, now).answer)
         answer = replace(answer, otherwise=its.keyframes[0])
     return _said(answer, query, facts, now)
+
+
+def _told_from(query: FormalQuery) -> int:
+    """Return from how many keyframes the sentence is told, however few of them are shown."""
+    return EVERYTHING if asks_where_all_is(query) else TOLD_FROM
 
 
 def _answered(
@@ -325,7 +329,7 @@ def explain(
     steps = planned(query, parameters, rung)
     store.tracing(native.append)
     try:
-        answer = _told(store, query, Facts(store), now, TOLD_FROM, rung)
+        answer = _told(store, query, Facts(store), now, _told_from(query), rung)
     finally:
         store.tracing(None)
     elapsed = {"parse": parsed_ms} | answer.elapsed_ms | {"total": _ms_since(started)}

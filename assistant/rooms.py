@@ -10,6 +10,7 @@ from dataclasses import replace
 from assistant.counting import amount_of
 from assistant.english import article, counted, listed, sentence_case
 from assistant.phrases import at_place, described, heads_of, is_room, kind_of, term_of
+from assistant.several import times_of
 from d3a.answer import Answer, RankedKeyframe
 from d3a.answering.points import asks_where_all_is
 from d3a.store.base import Region
@@ -53,12 +54,8 @@ def told_by_room(query: FormalQuery, answers: Sequence[Answer]) -> Answer:
         keyframes=ranked,
         otherwise=None,
         truncated=any(answer.truncated for answer in answers),
-        elapsed_ms=_sums([answer.elapsed_ms for answer in answers]),
+        elapsed_ms=times_of(answers),
     )
-
-
-def _sums(times: Sequence[dict[str, float]]) -> dict[str, float]:
-    return {name: sum(each.get(name, 0.0) for each in times) for name in times[0]}
 
 
 def _sentence(query: FormalQuery, answers: Sequence[Answer]) -> str:

@@ -38,7 +38,9 @@ def told_of_each(query: FormalQuery, answers: Sequence[Answer]) -> Answer:
     said = _sentence(query, answers)
     failed = next((answer for answer in answers if answer.status != "found"), None)
     if failed is not None:
-        return replace(failed, text=query.text, query=query, answer=said)
+        return replace(
+            failed, text=query.text, query=query, answer=said, elapsed_ms=times_of(answers)
+        )
     places = [(n, k) for answer in answers for n, k in enumerate(answer.keyframes)]
     places.sort(key=lambda each: (each[0] > 0, -each[1].score))
     ranked = tuple(replace(k, rank=rank) for rank, (_, k) in enumerate(places, 1))
@@ -53,7 +55,14 @@ def told_of_each(query: FormalQuery, answers: Sequence[Answer]) -> Answer:
         otherwise=next((a.otherwise for a in answers if a.otherwise is not None), None),
         unjudged=tuple(dict.fromkeys(word for a in answers for word in a.unjudged)),
         truncated=any(answer.truncated for answer in answers),
+        elapsed_ms=times_of(answers),
     )
+
+
+def times_of(answers: Sequence[Answer]) -> dict[str, float]:
+    """Return what answers took together in ms, by the parts of the work."""
+    parts = dict.fromkeys(part for answer in answers for part in answer.elapsed_ms)
+    return {part: sum(answer.elapsed_ms.get(part, 0.0) for answer in answers) for part in parts}
 
 
 def _sentence(query: FormalQuery, answers: Sequence[Answer]) -> str:

@@ -166,6 +166,13 @@ def test_explain_tells_the_answer_of_ask_at_its_precision(home: str) -> None:
             assert told.to_json()["answer"] == said.answer
 
 
+def test_explain_tells_of_as_much_as_ask_where_all_is_asked_for(home: str) -> None:
+    with d3a.open(home) as memory:
+        told = memory.explain("Where is everything?").answer
+        assert told.answer == memory.ask("Where is everything?").answer
+        assert told.count > 50
+
+
 def test_one_category_or_name_is_taken_as_one(home: str) -> None:
     with d3a.open(home) as memory:
         assert memory.objects(categories="cup") == memory.objects(categories=["cup"]) != []

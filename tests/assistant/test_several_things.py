@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 from assistant.asking import ask, explain
+from assistant.several import told_of_each
 from d3a.answer import Answer
 from tests.worlds.made import NOW, Home
 from tests.worlds.oracle import OracleStore
@@ -83,3 +86,12 @@ def test_what_is_explained_is_what_is_answered(store: OracleStore) -> None:
     question = "Are the wallet and the key in the kitchen?"
     explained = explain(store, question, now=NOW)
     assert explained.answer.answer == answered(store, question).answer
+
+
+@pytest.mark.parametrize("other", ["vase", "wallet"])  # a yes, and a no
+def test_what_each_took_is_told_together(store: OracleStore, other: str) -> None:
+    each = [answered(store, f"Is the {thing} in the kitchen?") for thing in ("key", other)]
+    each = [replace(answer, elapsed_ms={"retrieve": 2.0}) for answer in each]
+    query = answered(store, f"Are the key and the {other} in the kitchen?").query
+    assert query is not None
+    assert told_of_each(query, each).elapsed_ms == {"retrieve": 4.0}
