@@ -22,7 +22,7 @@ def maker(record: type[T]) -> Callable[..., T]:
     """
     names = [each.name for each in fields(record)]  # type: ignore[arg-type]  # a dataclass
     filled = "; ".join(f"self.{name} = {name}" for name in names)
-    scope: dict[str, Any] = {"record": record}
+    scope: dict[str, Any] = {"__frozen": record}  # a name that no field has
     # as dataclasses write their own constructors, without the rest that they make: 60 us a class
-    exec(f"def init(self, {', '.join(names)}): {filled}; self.__class__ = record", scope)
+    exec(f"def init(self, {', '.join(names)}): {filled}; self.__class__ = __frozen", scope)
     return type(record.__name__, (), {"__slots__": names, "__init__": scope["init"]})

@@ -7,7 +7,7 @@ from depth relative to the objects of the same word. What neither can tell is le
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,9 +24,11 @@ from d3a.colours import (
     is_colour,
     words_of,
 )
+from d3a.frozen import maker
 from d3a.plan import JudgeAttributes
 from d3a.store.base import ObjectRecord
 
+_candidate = maker(Candidate)
 UNKNOWN = 0.5
 """The chance of an attribute for an object without a picture, where others have one."""
 SIZE_SPREAD = 0.25
@@ -143,12 +145,15 @@ def _told_apart(
     doubts: bool,
 ) -> Judged:
     """Return who holds all of it, who may, and who does not; see `Judged`."""
-    kept = _kept(found, scores)
-    maybe = _kept(found, _doubted(scores), least_once=0.0) if doubts or not kept else kept
-    listed = maybe if doubts else kept
-    ids = [c.record.object_id for c in found]
-    refused = [maybe.get(i, c) for i, c in zip(ids, found, strict=True) if i not in listed]
-    return Judged(listed, unjudged, frozenset(listed) - frozenset(kept), tuple(refused))
+    sure = _holding(found, scores)
+    lists_more = doubts or not sure.any()
+    maybe = _holding(found, _doubted(scores), least_once=0.0) if lists_more else sure
+    listed = maybe if doubts else sure
+    told = _with_attributes(found, scores, np.flatnonzero(maybe).tolist())
+    kept = {(c := told[row]).record.object_id: c for row in np.flatnonzero(listed).tolist()}
+    doubtful = [found[row].record.object_id for row in np.flatnonzero(listed & ~sure).tolist()]
+    refused = [told.get(row, found[row]) for row in np.flatnonzero(~listed).tolist()]
+    return Judged(kept, unjudged, frozenset(doubtful), tuple(refused))
 
 
 def merged_shades(words: Sequence[str]) -> list[str]:
@@ -262,24 +267,33 @@ def _doubted(
     return [(word, p, tenable | (p >= LEAST_DOUBTFUL)) for word, p, tenable in scores]
 
 
-def _kept(
+def _holding(
     found: Sequence[Candidate],
     scores: Sequence[tuple[str, NDArray[np.float64], NDArray[np.bool_]]],
     least_once: float = LEAST_ONCE,
-) -> dict[str, Candidate]:
-    """Return who holds all of it, by object id; least_once: see LEAST_ONCE."""
+) -> NDArray[np.bool_]:
+    """Return who holds all of it (n,); least_once: see LEAST_ONCE."""
     held = np.ones(len(found), dtype=np.bool_)
     least = np.ones(len(found))
     for _, p, tenable in scores:
         held &= tenable
         least = np.minimum(least, p)
-    told = [(word, np.clip(p, 0.0, 1.0).tolist()) for word, p, _ in scores]
-    kept: dict[str, Candidate] = {}
-    for i in np.flatnonzero(held).tolist():  # of thousands most are refused
-        candidate = found[i]
-        if not candidate.record.tentative or least[i] >= least_once:
-            kept[candidate.record.object_id] = replace(
-                candidate,
-                attributes={**candidate.attributes, **{word: p[i] for word, p in told}},
-            )
-    return kept
+    for row in np.flatnonzero(held & (least < least_once)).tolist():  # of thousands few
+        held[row] = not found[row].record.tentative
+    return held
+
+
+def _with_attributes(
+    found: Sequence[Candidate],
+    scores: Sequence[tuple[str, NDArray[np.float64], NDArray[np.bool_]]],
+    rows: Sequence[int],
+) -> dict[int, Candidate]:
+    """Return the candidates of some rows, by row, with how likely each attribute holds."""
+    words = [word for word, _, _ in scores]
+    held = np.array([p for _, p, _ in scores]).reshape(len(scores), len(found))[:, rows]
+    told: dict[int, Candidate] = {}
+    for row, each in zip(rows, np.clip(held, 0.0, 1.0).T.tolist(), strict=True):
+        of = found[row]
+        attributes = {**of.attributes, **dict(zip(words, each, strict=True))}
+        told[row] = _candidate(of.record, of.match, attributes, of.same, of.votes)
+    return told

@@ -39,6 +39,22 @@ class Spans:
         return cls(ids, np.array([number[name] for name in names], np.int64), place, start, end)
 
     @classmethod
+    def of_texts(cls, object_ids: Sequence[str], rows: Sequence[tuple[str, str]]) -> Spans:
+        """Return the columns of rows of (object_id, "start end place start end place ...").
+
+        Half a million sightings are read as text in half the time that they take as rows.
+        """
+        ids = tuple(sorted({*object_ids}))
+        number = {name: n for n, name in enumerate(ids)}
+        numbers = np.fromstring(" ".join([text for _, text in rows]), dtype=np.int64, sep=" ")
+        start, end, place = numbers.reshape(-1, 3).T
+        each = [(text.count(" ") + 1) // 3 for _, text in rows]
+        of = np.repeat(np.array([number[name] for name, _ in rows], np.int64), each)
+        found = cls(ids, of, place, start, end)
+        later = (np.diff(of) > 0) | ((np.diff(of) == 0) & (np.diff(start) > 0))
+        return found if later.all() else found.chosen(np.lexsort((place, end, start, of)))
+
+    @classmethod
     def of_sightings(cls, object_ids: Sequence[str], sightings: Sequence[Sighting]) -> Spans:
         """Return the columns of sightings that were read."""
         rows = sorted((s.object_id, s.start_ms, s.end_ms, s.place) for s in sightings)

@@ -260,7 +260,7 @@ class SqliteStore:
     ) -> Spans:
         """Return when objects were seen, see `Store.spans`."""
         select = sqlite_read.spans(object_ids, area, start_ms, end_ms, trees=self._trees)
-        return Spans.of_rows(object_ids, self._select(select, limit))
+        return Spans.of_texts(object_ids, self._select(sqlite_read.of_each(select, limit)))
 
     def newest(
         self,

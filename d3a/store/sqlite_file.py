@@ -16,10 +16,11 @@ from d3a.store.sqlite_errors import begins_as_store
 
 MIGRATIONS: tuple[Migration, ...] = (schema.index_votes, schema.add_apart)
 _OLDEST = (3, 24, 0)  # the first with upserts
-_MAPPED = 256 << 20
-"""Bytes of the file that are seen as memory: a question reads some hundred pages that lie apart,
-and a call of the system for each took a third of its time. What was touched is counted as the
-process's (30 MB of `d3a ask` at 200,000 stays) and is the system's to take back."""
+_MAPPED = 0x7FFF0000
+"""Bytes of the file that are seen as memory, all that SQLite maps: a question reads some hundred
+pages that lie apart, and a call of the system for each took a third of its time. What was touched
+is counted as the process's (30 MB of `d3a ask` at 200,000 stays) and is the system's to take
+back."""
 
 
 def open_sqlite(

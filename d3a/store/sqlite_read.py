@@ -237,7 +237,10 @@ def spans(
     *,
     trees: bool,
 ) -> Select:
-    """Return the query of `Store.spans`: from an index alone, or from the stays of an area."""
+    """Return the query of what `Store.spans` tells: from an index alone, or the stays of an area.
+
+    See `of_each` for how it is read.
+    """
     columns = order = "s.object_id, s.start_ms, s.end_ms, s.place"
     if area is None:
         select = Select(columns, "sighting s INDEXED BY sighting_object_start", order)
@@ -256,6 +259,19 @@ def spans(
         _inside(select, area)
     touching(select, "s", "max_sighting_ms", start_ms, end_ms)
     return select
+
+
+def of_each(select: Select, limit: int | None) -> Select:
+    """Return the query that gives an object a text where one of `spans` gives a sighting a row.
+
+    Its numbers are in no order. limit: only so many sightings, in the order of `Store.spans`.
+    """
+    columns = "object_id, group_concat(start_ms || ' ' || end_ms || ' ' || place, ' ')"
+    if limit is None:
+        select.order = ""
+    inner = select.text() + ("" if limit is None else " LIMIT :limit")
+    given = select.parameters | ({} if limit is None else {"limit": limit})
+    return Select(columns, f"({inner}) GROUP BY object_id", "", [], given)
 
 
 def sightings_at(keys: Collection[SightingKey]) -> Select:

@@ -9,10 +9,11 @@ from dataclasses import FrozenInstanceError, fields, replace
 import pytest
 
 from d3a.answer import RankedKeyframe
+from d3a.answering.match import Candidate
 from d3a.frozen import maker
 from d3a.store.base import Encounter, ObjectRecord, Sighting, StayRecord
 
-RECORDS = (Sighting, StayRecord, Encounter, ObjectRecord, RankedKeyframe)
+RECORDS = (Sighting, StayRecord, Encounter, ObjectRecord, RankedKeyframe, Candidate)
 BOX = (1.0, 2.0, 3.0, 4.0)
 CUP = ("c", 1, 2, 3, "f", 0.5, BOX, None, 1, "cup", "r", None, None)
 
