@@ -142,6 +142,13 @@ class Assigned(NamedTuple):
     misplaced: dict[int, Misplaced]
     strange: int
 
+    def is_known_place(self) -> bool:
+        """Say whether most of the frame's things are known, as they are where a robot has been.
+
+        In a room that is new to it a few may lie as others like them do elsewhere.
+        """
+        return 2 * (self.taken.count(-1) - len(self.misplaced)) < len(self.taken)
+
     def worth(self, new_score: float) -> float:
         """Return the log-odds of it all against "all are new"."""
         known = [

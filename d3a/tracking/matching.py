@@ -128,7 +128,7 @@ class Matcher:
         self.offset = lost.copy()
         other = self._explained(frame, pose)
         jumped = other.worth(new) + self.offset.likely(lost) - JUMP_ODDS
-        if jumped > found.worth(new) + kept.likely(before):
+        if other.is_known_place() and jumped > found.worth(new) + kept.likely(before):
             return other
         self.offset = kept
         return found

@@ -65,6 +65,13 @@ def frame(
     return Frame(f"f{number}", START_MS + number * 5000, pose, CAMERA, None, None, seen)
 
 
+def side_by_side(shown: Frame) -> Frame:
+    """The frame with boxes that are apart: one box is one thing, whatever it is called."""
+    boxes = [(9.0 * k, 10.0, 9.0 * k + 5.0, 15.0) for k in range(len(shown.detections or ()))]
+    both = zip(shown.detections or (), boxes, strict=True)
+    return replace(shown, detections=tuple(replace(each, box=box) for each, box in both))
+
+
 def filled(frames: Sequence[Frame]) -> OracleStore:
     store = OracleStore()
     ingest(ListReader(frames), store, DEFAULT)
@@ -91,6 +98,21 @@ def test_one_thing_elsewhere_is_no_jump_of_the_robot() -> None:
     assert len(places) == 2, "book and lamp stayed where they were"
     for thing in DESK[1:]:
         assert min(math.dist(place, thing.position) for place in places) < 0.1
+
+
+def test_twins_in_a_room_that_is_new_are_no_jump_of_the_robot() -> None:
+    """Two of seven things lie there as two like them lie on the desk."""
+    names = ("pan", "vase", "clock", "radio", "kettle")
+    rest = [Thing(name, (2.0, 2.0 + 0.3 * k, 0.5), 4 + k) for k, name in enumerate(names)]
+    twins = [
+        replace(each, position=(each.position[0], each.position[1] + 1.5, 0.0)) for each in DESK[:2]
+    ]
+    before = [frame(n, DESK) for n in range(8)]
+    after = [side_by_side(frame(n, [*twins, *rest], (0.0, 1.5, 0.0))) for n in range(8, 16)]
+    stays = filled([*before, *after]).stays()
+    assert [stay.seen for stay in stays] == [8] * 10
+    for thing in (*DESK, *twins, *rest):
+        assert min(math.dist(s.position, thing.position) for s in stays if s.position) < 0.1
 
 
 @pytest.mark.parametrize("nearer", [0.4, 2.0])
