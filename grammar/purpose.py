@@ -15,6 +15,7 @@ _NO_PURPOSE = words_of(
     "belonged happen happened going able supposed used like next close adjacent attached "
     "opposite similar nearest closest"
 )
+_REASONS = words_of("so because cause cos coz cuz only before")
 _WENT = words_of("was were had did went left came got took ate slept woke fell lost made")
 
 
@@ -37,7 +38,7 @@ def without_purpose(words: list[Word]) -> list[Word]:
     for i in range(2, len(texts)):
         rest = texts[i + 1 : i + 3]
         if (
-            texts[i] in ("so", "because", "cause", "before")
+            texts[i] in _REASONS
             and rest
             and rest[0] in ("i", "we", "that")
             and not (texts[i] == "before" and _past(rest[-1]))

@@ -7,7 +7,18 @@ from datetime import datetime
 from functools import lru_cache
 from typing import Any
 
-from grammar import antecedent, cutting, lalr, purpose, scope, speech, tagger, timespan, unseen
+from grammar import (
+    antecedent,
+    cutting,
+    happenings,
+    lalr,
+    purpose,
+    scope,
+    speech,
+    tagger,
+    timespan,
+    unseen,
+)
 from grammar.cursor import TIME_GAP, Tagged
 from grammar.errors import Ambiguous, NotUnderstood, OutOfScope, QuestionError
 from grammar.forms import FormalQuery, ObjectTerm, TimeSlice
@@ -117,6 +128,7 @@ class Reading:
     def terminals(self, words: list[Word], it: ObjectTerm | None) -> Terminals:
         """Take the times out and type the words; raises what the words alone give away."""
         words = words if it is not None else antecedent.there(words)
+        words = happenings.without_happenings(words)
         times = timespan.find([w.text for w in words])
         rest, present = words, False
         slice_: TimeSlice | None = None

@@ -23,10 +23,11 @@ SEEK = "<seek>"
 def plain(words: list[Word], lexicon: Lexicon) -> list[Word]:
     """Return the words of one sentence without what changes nothing."""
     words = _joined(_counting(_heard(_without_fillers(words)), lexicon), lexicon)
-    words = _owning(_unowned(words, lexicon), lexicon)
+    words = _owning(_unowned(_short_of_is(words), lexicon), lexicon)
     words = corrected(words, lexicon)
     words = stutters.without_stutters(words, lexicon)
-    return _located(_closed(_searching(_without_thought(_opened(_searching(words))))))
+    words = stutters.begun_anew(_opened(_searching(words)))
+    return _located(_closed(_searching(_without_thought(words))))
 
 
 def _searching(words: list[Word]) -> list[Word]:
@@ -114,6 +115,26 @@ _OWNING = PEOPLE - {"kid", "guest", "baby", "visitor"}
 """People whose plural does not say what kind a thing is, as in a kids table."""
 
 
+def _short_of_is(words: list[Word]) -> list[Word]:
+    """Return the words with the 's of has or is told: where the cat's got to, where my bag's at."""
+    for i, word in enumerate(words[:-1]):
+        if word.text[-2:] != "'s" or not is_open(word.text):
+            continue
+        after = [w.text for w in words[i + 1 :]]
+        if _ASKS_WHERE.isdisjoint(w.text for w in words[:i]):
+            return words
+        if after[0] in _GONE and (len(after) == 1 or after[1] in _GONE_TO):
+            verb = "is" if after[0] == "at" else "has"
+            thing = replace(word, text=word.text[:-2])
+            return [*words[:i], thing, replace(word, text=verb), *words[i + 1 :]]
+    return words
+
+
+_ASKS_WHERE = words_of("where whereabouts")
+_GONE = words_of("got gotten gone been at disappeared vanished wandered run")
+_GONE_TO = words_of("to off now , please")
+
+
 def _counting(words: list[Word], lexicon: Lexicon) -> list[Word]:
     """Return the words with `how much` before several things as how many."""
     said = [w.text for w in words[:3]]
@@ -193,7 +214,7 @@ def _no_filler(words: list[Word], i: int, count: int, kept: list[Word]) -> bool:
 
 _BEFORE_LIKE = (
     "",
-    *words_of("so ok okay well where when is are was were at around by in on for and to"),
+    *words_of("so ok okay well where when is are was were there at around by in on for and to"),
 )
 """After these `like` says nothing: `where is like my cup`, `at like three`."""
 _LEAVING = words_of("put leave left find found see seen saw lose lost spot keep store kept")

@@ -13,7 +13,7 @@ from dataclasses import replace
 from functools import lru_cache
 from itertools import pairwise
 
-from grammar import numbers, phrases, scope
+from grammar import heard, numbers, phrases, scope
 from grammar import timewords as tw
 from grammar.closed import CLOSED, is_open, words_of
 from grammar.forms import Correction
@@ -71,11 +71,13 @@ def corrected(
     words: list[Word], lex: Lexicon, store: StoreWords
 ) -> tuple[list[Word], tuple[Correction, ...]]:
     """Return the words with slips made good, and what was changed."""
-    knows = known(store)
+    knows, sounds = known(store), heard.sounds()
     out: list[Word] = []
     changed: list[Correction] = []
     for i, word in enumerate(words):
-        taken = None if word.text in knows else _meant_by(words, i, store, lex)
+        taken = heard.meant(words, i, lex) if word.text in sounds else None
+        if taken is None and word.text not in knows:
+            taken = _meant_by(words, i, store, lex)
         if taken is not None:
             changed.append(Correction(word.text, taken, word.start))
             word = replace(word, text=taken)
@@ -150,7 +152,9 @@ def _short_or_sounding(text: str, known: frozenset[str], targets: tuple[str, ...
         return [text[:-1]]
     sound = _sound(text)
     return [
-        target for target in targets if target[0] in _SOUNDED[text[0]] and _sound(target) == sound
+        target
+        for target in targets
+        if target[0] in text[0] + _SOUNDED[text[0]] and _sound(target) == sound
     ]
 
 
@@ -159,9 +163,12 @@ _SOUNDED = defaultdict(str, f="p", p="f", c="k", k="c", q="k")
 
 
 def _sound(word: str) -> str:
-    """Return a word as it sounds by its consonants: ph is f, ck and hard c are k."""
-    out = word.replace("ph", "f").replace("ck", "k")
-    return "".join("k" if a == "c" and b not in "eiyh" else a for a, b in pairwise(out + " "))
+    """Return a word as it sounds by its consonants: ph is f, ck and hard c are k, soft c is s."""
+    out = word.replace("ph", "f").replace("ck", "k") + " "
+    hard = (
+        ("k" if b not in "eiyh" else "s") if a == "c" and b != "h" else a for a, b in pairwise(out)
+    )
+    return "".join(hard)
 
 
 def _misread(word: Word, known: frozenset[str]) -> str | None:

@@ -6,6 +6,7 @@ from operator import eq
 
 from grammar import numbers
 from grammar.closed import LEADING, is_open, words_of
+from grammar.phrases import phrases, place_follows
 from grammar.sayings import AUXILIARIES, QUESTION_STARTS, QUESTION_WORDS
 from grammar.vocabulary import Lexicon
 from grammar.words import Word
@@ -23,10 +24,13 @@ def without_stutters(words: list[Word], lexicon: Lexicon) -> list[Word]:
 
 def _without_dummy(words: list[Word]) -> list[Word]:
     """Take out an `it` beside its thing: where it is my charger, where was it, the scarf."""
+    words = _told_after(words)
     if len(words) < 3 or "it" not in (words[1].text, words[2].text):
         return words
     texts = [w.text for w in words[:4]]
     being = ("is", "are", "was", "were")
+    if texts[:2] == ["what", "it"] and texts[2] in being and place_follows(words, 3):
+        return [words[0], *words[2:]]  # what it is on the table
     there = texts[1:3] == ["it", "there"] and texts[0] in being and texts[-1] in _SOME
     where = texts[:2] == ["where", "it"] and texts[2:3] != [] and texts[2] in being
     told = texts[:3] in (["where", "is", "it"], ["where", "was", "it"]) and texts[-1] == ","
@@ -35,6 +39,23 @@ def _without_dummy(words: list[Word]) -> list[Word]:
     if there or (where and (texts[-1] in LEADING or is_open(texts[-1])) and len(texts) == 4):
         return [words[0], *words[2:]]
     return words
+
+
+def _told_after(words: list[Word]) -> list[Word]:
+    """Take out an `it` said after or before its thing: my bag where it is, i put it my phone."""
+    texts = [w.text for w in words]
+    if _IT.isdisjoint(texts):
+        return words
+    if len(texts) > 4 and texts[0] in LEADING and texts[-3] == "where" and texts[-2] in _IT:
+        return [*words[:-2], words[-1]]
+    for i in range(2, len(texts) - 2):
+        owned = texts[i + 1] in ("my", "our") and is_open(texts[i + 2])
+        if texts[i] in _IT and owned and texts[i - 1] in phrases().verbs:
+            return [*words[:i], *words[i + 1 :]]
+    return words
+
+
+_IT = words_of("it they them")
 
 
 def _named(words: list[Word]) -> list[Word]:
@@ -59,6 +80,19 @@ def _restarted(words: list[Word]) -> list[Word]:
     return words
 
 
+def begun_anew(words: list[Word]) -> list[Word]:
+    """Return the words without a question that breaks off: where did i no where did my wife."""
+    if not words or words[0].text not in _ASKING:
+        return words
+    for i in range(2, min(len(words) - 2, _BROKEN_OFF + 2)):
+        if words[i].text in QUESTION_WORDS and words[i + 1].text in AUXILIARIES:
+            named = any(is_open(w.text) or w.text in _GOES_ON for w in words[1:i])
+            return words if named else words[i:]
+    return words
+
+
+_ASKING = QUESTION_WORDS | AUXILIARIES
+_GOES_ON = words_of("it they them and or")
 _BROKEN_OFF = 5
 """A question that has named nothing after so many words may be given up and begun again."""
 

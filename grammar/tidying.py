@@ -200,7 +200,7 @@ def _inverted(tags: list[Tag]) -> list[Tag]:
     """Put a place said between `is` and its thing last: `is in the kitchen a knife`."""
     kinds = [t.type for t in tags]
     first = 1 + (kinds[1:2] == ["THERE"])
-    if kinds[:1] != ["BE"] or kinds[first : first + 1] not in (["AT_PLACE"], ["REL"]):
+    if kinds[:1] != ["BE"] or kinds[first : first + 1] not in (["AT_PLACE"], ["REL"], ["HERE"]):
         return tags
     end = first + 1
     if kinds[first] == "REL":
@@ -354,7 +354,7 @@ _SETTLING: tuple[tuple[Callable[[list[Tag]], list[Tag]], tuple[str, ...]], ...] 
     (_joined_attributes, ("AND", "OR")),
     (_owned_alike, ("OWNER",)),
     (_things_described, ("ATTR",)),
-    (_inverted, ("AT_PLACE", "REL")),
+    (_inverted, ("AT_PLACE", "REL", "HERE")),
     (_extraposed, (*_CLAUSES, "OR")),
     (_predicates, ("ATTR",)),
     (_excepted, ("_EXCEPT",)),

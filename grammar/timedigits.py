@@ -67,7 +67,8 @@ class DigitReader:
         if (match := CLOCK.match(self.word)) and int(match[1]) <= 24 and int(match[2]) < 60:
             exact = len(match[1]) == 2 and match[1][0] == "0"
             second = int(match[3] or 0)
-            return self._make("HHMM", (int(match[1]), int(match[2]), exact, second), 1)
+            signed = self._at(1) in ("h", "hrs", "hours")  # 18:30 h
+            return self._make("HHMM", (int(match[1]), int(match[2]), exact, second), 1 + signed)
         if match and ":" in self.word:
             return self._make("UNPLACED", "no day has such an hour or minute", 1)
         if match := _MONTH.match(self.word):

@@ -7,7 +7,7 @@ import itertools
 from grammar import numbers
 from grammar import timewords as tw
 from grammar.closed import is_open, words_of
-from grammar.timedigits import DigitReader
+from grammar.timedigits import CLOCK_ENDS, DigitReader
 
 _JOINTS = ("and", "or")
 
@@ -21,6 +21,21 @@ class JointReader(DigitReader):
             return False
         before = self.before[-2] if len(self.before) > 1 and self.before[-1] is None else None
         return before is not None and before.type in kinds
+
+    def _joins(self, kind: str, length: int) -> bool:
+        """Whether `or` joins counts, `ish` ends a clock time, `before last` a day or its part."""
+        match kind:
+            case "_OR":
+                counted = (
+                    numbers.cardinal(self.words, self.i + length) if self._at(length) else None
+                )
+                return self._is("UNIT") and counted is not None
+            case "_ISH":
+                return self._is(*CLOCK_ENDS)
+            case "_BUT_ONE":  # last tuesday but one
+                led = self.before[-2] if len(self.before) > 1 else None
+                return led is not None and led.type == "_LAST"
+        return self._is("WEEKDAY", "PART")
 
     def _parts_list(self) -> bool:
         """Whether a comma parts two days, months or years of a list that `and` or `or` ends."""

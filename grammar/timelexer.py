@@ -60,6 +60,7 @@ def _approximate(found: list[TimeToken | None], last: int) -> None:
         found.insert(k, TimeToken("_AROUND", 0, first.first, first.first))
 
 
+_JOINING = ("_OR", "_ISH", "_BEFORE_LAST", "_BUT_ONE")
 _DAYS = words_of("WEEKDAY DAYS ORD DATE DAY_AFTER MONTH MONTH_OF HOLIDAY")
 _CLOCK_TIMES = CLOCK_ENDS | words_of("CMIN _CPAST _CTO _HALF_OF")
 
@@ -95,7 +96,7 @@ class _Reader(UnplacedReader):
 
     def _comparative(self) -> TimeToken | None:
         """Pass over `earlier` and `later` before a time: earlier this morning, later on friday."""
-        if self.word not in ("earlier", "later") or self._is("UNIT", "_HALF"):
+        if self.word not in ("earlier", "later") or self._is("UNIT", "MORE"):
             return None
         k = 1
         while self._at(k) in ("on", "in", "the"):
@@ -160,9 +161,9 @@ class _Reader(UnplacedReader):
             kind, value = entry
             if kind == "COUNT" and self._at(length) not in tw.UNITS and not self._recurs(length):
                 continue
-            if kind in ("_AGO", "_HALF") and not self._lasts():
+            if kind in ("_AGO", "MORE") and not self._lasts():
                 continue
-            if kind in ("_OR", "_ISH", "_BEFORE_LAST") and not self._joins(kind, length):
+            if kind in _JOINING and not self._joins(kind, length):
                 continue
             if kind == "WEEKEND" and self._is("NTH"):
                 continue
@@ -191,16 +192,7 @@ class _Reader(UnplacedReader):
         if self._is("WEEKDAY", "PART", "COUNT"):
             before = [t.type if t else "" for t in self.before if t is None or t.type != "LINK"]
             return before[-1] == "COUNT" if before[-1:] == ["COUNT"] else before[-2:-1] == ["COUNT"]
-        return self._is("UNIT", "_HALF")
-
-    def _joins(self, kind: str, length: int) -> bool:
-        """Whether `or` joins counts, `ish` ends a clock time, `before last` a day or its part."""
-        if kind == "_OR":
-            counted = numbers.cardinal(self.words, self.i + length) if self._at(length) else None
-            return self._is("UNIT") and counted is not None
-        if kind == "_ISH":
-            return self._is(*CLOCK_ENDS)
-        return self._is("WEEKDAY", "PART")
+        return self._is("UNIT", "MORE")
 
     def _day_named(self, k: int) -> bool:
         """Whether a day, or last week, stands at `k`: this time yesterday."""

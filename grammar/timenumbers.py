@@ -10,6 +10,7 @@ from grammar.timejoints import JointReader
 
 _BEFORE_HOUR_SIGN = words_of("at from between and to until till since before by -")
 _AGO = ("ago", "earlier", "back")
+_HOURS = ("hours", "hrs")
 
 
 class NumberReader(JointReader):
@@ -199,8 +200,9 @@ class NumberReader(JointReader):
         if number is None:
             return None
         value, count = number
-        if self._hour_sign(value, count):
-            return self._make("HHMM", (value, 0, True, 0), count + 1)
+        signed = self._hour_signed(value, count)
+        if signed is not None:
+            return signed
         if self._at(count) == "-" and self._ranges(count + 1) and value <= 31:
             return self._make("HOUR", value, count)
         return (
@@ -210,10 +212,19 @@ class NumberReader(JointReader):
             or self._hour(value, count)
         )
 
-    def _hour_sign(self, value: int, count: int) -> bool:
-        """Whether an `h` after a number makes it a clock time: at 14h, between 9 h and 11 h."""
-        clock = self._at(-1) in _BEFORE_HOUR_SIGN and value <= 24
-        return clock and self._at(count) == "h" and self._at(count + 1) not in _AGO
+    def _hour_signed(self, value: int, count: int) -> TimeToken | None:
+        """Read a clock time by the sign after its hour: at 14 h, at 9 h 15, at 21 hours.
+
+        Hours in words are a clock time after `at` alone: since 3 hours is a length.
+        """
+        sign, before = self._at(count), self._at(-1)
+        clock = before in _BEFORE_HOUR_SIGN if sign == "h" else before == "at" and sign in _HOURS
+        if value > 24 or not clock or self._at(count + 1) in _AGO:
+            return None
+        minute = numbers.cardinal(self.words, self.i + count + 1)
+        if minute is None or minute[0] >= 60:
+            return self._make("HHMM", (value, 0, True, 0), count + 1)
+        return self._make("HHMM", (value, minute[0], True, 0), count + 1 + minute[1])
 
     def _ranges(self, k: int) -> bool:
         """Whether what ends a range stands at `k`, after a dash: `9-11 am`, `3-5 may`."""

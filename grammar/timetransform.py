@@ -132,9 +132,9 @@ class TimeForms:
         """bound: _LASTN1 UNIT."""
         return Bound("past", (), Length(((1, unit.value),)))
 
-    def past_one_half(self, unit: Token) -> Bound:
-        """bound: _LASTN1 UNIT _HALF."""
-        return Bound("past", (), Length(((1.5, unit.value),)))
+    def past_one_more(self, unit: Token, more: Token) -> Bound:
+        """bound: _LASTN1 UNIT MORE."""
+        return Bound("past", (), Length(((1 + float(more.value), str(unit.value)),)))
 
     def ago(self, length: Length) -> Ago:
         """piece: duration _AGO."""
@@ -227,7 +227,7 @@ class TimeForms:
         return Weekday(token.value, "last")
 
     def weekday_before_last(self, token: Token) -> Weekday:
-        """day: WEEKDAY _BEFORE_LAST."""
+        """day: WEEKDAY _BEFORE_LAST | _LAST WEEKDAY _BUT_ONE."""
         return Weekday(token.value, "last", 2)
 
     def weekdays_ago(self, count: Token, token: Token) -> Weekday:
@@ -294,12 +294,16 @@ class TimeForms:
         return Calendar(unit.value, 0)
 
     def back(self, unit: Token) -> Calendar | Weekend:
-        """span: BACK."""
+        """span: BACK | _LAST UNIT _BUT_ONE."""
         return Weekend(last=True, back=1) if unit.value == "weekend" else Calendar(unit.value, 2)
 
     def weekend(self, _weekend: Token) -> Weekend:
         """span: WEEKEND | _THIS WEEKEND."""
         return Weekend()
+
+    def weekend_but_one(self, _weekend: Token) -> Weekend:
+        """span: _LAST WEEKEND _BUT_ONE."""
+        return Weekend(last=True, back=1)
 
     def last_weekend(self, _weekend: Token) -> Weekend:
         """span: _LAST WEEKEND."""
@@ -330,12 +334,12 @@ class TimeForms:
         return Length(amounts)
 
     def amount(self, count: Token, unit: Token) -> tuple[float, str]:
-        """amount: COUNT UNIT _HALF?."""
+        """amount: COUNT UNIT."""
         return (float(count.value), unit.value)
 
-    def half_more(self, count: Token, unit: Token) -> tuple[float, str]:
-        """amount: COUNT UNIT _HALF."""
-        return (count.value + 0.5, unit.value)
+    def amount_more(self, count: Token, unit: Token, more: Token) -> tuple[float, str]:
+        """amount: COUNT UNIT MORE."""
+        return (float(count.value) + float(more.value), str(unit.value))
 
 
 def _meridiem(tokens: tuple[Token, ...]) -> str | None:

@@ -35,6 +35,21 @@ def clock(moment: datetime | None) -> str:
 @pytest.mark.parametrize(
     ("said", "start", "end"),
     [
+        ("last tuesday but one", "2016-10-25 00:00", "2016-10-26 00:00"),
+        ("last week but one", "2016-10-24 00:00", "2016-10-31 00:00"),
+        ("last weekend but one", "2016-10-29 00:00", "2016-10-31 00:00"),
+        ("an hour and a quarter ago", "2016-11-07 14:57", "2016-11-07 14:57"),
+        ("in the last hour and three quarters", "2016-11-07 14:27", "2016-11-07 16:12"),
+        ("at 9 h 15", "2016-11-07 09:15", "2016-11-07 09:15"),
+        ("at 21 hours", "2016-11-06 21:00", "2016-11-06 21:00"),
+        ("from 13:00 to 14:30 h", "2016-11-07 13:00", "2016-11-07 14:30"),
+        ("since 3 hours", "2016-11-07 13:12", "-"),
+        ("since i left at noon", "2016-11-07 12:00", "-"),
+        ("before my wife went to bed at eleven last night", "-", "2016-11-06 23:00"),
+        ("when we came home at 3 pm", "2016-11-07 15:00", "2016-11-07 15:00"),
+        ("at noon when i left", "2016-11-07 12:00", "2016-11-07 12:00"),
+        ("half an hour after i left at noon", "2016-11-07 12:30", "2016-11-07 12:30"),
+        ("while i was out between 2 and 4", "2016-11-07 14:00", "2016-11-07 16:00"),
         ("late last night", "2016-11-06 23:30", "2016-11-07 05:00"),
         ("two nights ago", "2016-11-05 22:00", "2016-11-06 05:00"),
         ("on 2016-oct-05", "2016-10-05 00:00", "2016-10-06 00:00"),
@@ -230,6 +245,19 @@ def test_any_time_narrows_nothing_and_is_no_thing(said: str) -> None:
     query = parse(f"did you see the cup {said}", now=MONDAY)
     assert (query.time, query.select) == (None, "all")
     assert [thing.category for thing in query.objects] == ["cup"]
+
+
+@pytest.mark.parametrize("said", ["before i left", "before i left yesterday", "while i was out"])
+def test_what_happened_is_no_time_without_a_clock(said: str) -> None:
+    with pytest.raises(QuestionError):
+        parse(f"where was the cup {said}", now=MONDAY)
+
+
+def test_what_happened_may_be_told_first() -> None:
+    query = parse("when i came home at three where was my bag", now=MONDAY)
+    assert (query.ask, query.objects[0].category) == ("where", "bag")
+    assert query.time is not None
+    assert clock(query.time.start) == "2016-11-07 15:00"
 
 
 def test_a_time_denied_at_the_end_is_refused() -> None:
