@@ -6,17 +6,23 @@ round with the thing, may be it.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from functools import cached_property
+
+import numpy as np
 
 from d3a.answering import columns
 from d3a.answering.distinct import rounds_of
 from d3a.answering.run import Run
-from d3a.store.base import Sighting
+from d3a.store.base import Sighting, Spans
 
 
 class Alike:
-    """The objects of a variable by their kinds, and when each was seen."""
+    """The objects of a variable by their kinds, and when each was seen.
+
+    Most that is asked of them is whether there is any such: the next is looked for when it is
+    asked for, as of thousands of things the first tells it mostly.
+    """
 
     def __init__(
         self, run: Run, var: str, names: Collection[str], before: Sequence[Sighting]
@@ -28,39 +34,63 @@ class Alike:
         seen = [s for s in before if self._of.get(s.object_id) in kinds]
         self._unsure = {name for name, c in table.candidates.items() if c.record.tentative}
         self._newest, self._seen = newest_of(seen), seen
-        self._first = first_of(seen)
         self._run, self._is_whole = run, var not in run.newest_alone
-        if not self._is_whole:  # each object's newest sighting was found and no other
-            self._first = first_of(run.store.edges([*self._newest], "first"))
-        self._of_kind: dict[str, list[str]] = {}
-        for name in self._newest:
-            self._of_kind.setdefault(self._of[name], []).append(name)
 
     @cached_property
-    def _shown(self) -> dict[str, set[int]]:
-        """The rounds that showed each, by number: of many things they are seldom asked for."""
+    def _spans(self) -> Spans:
+        """When they were seen, where each object's newest sighting was found and no other."""
+        return self._run.facts.spans(sorted(self._newest), None, None)
+
+    @cached_property
+    def _shown(self) -> Mapping[str, set[int]] | columns.Shown:
+        """The rounds that showed each, by number."""
         if self._is_whole:
             return rounds_of(self._seen)
-        spans = self._run.facts.spans(sorted(self._newest), None, None)
-        return columns.shown_in(spans, columns.rounds_of(spans.start_ms, spans.end_ms))
+        spans = self._spans
+        return columns.Shown(spans, columns.rounds_of(spans.start_ms, spans.end_ms))
 
-    def turned_up(self, name: str, at_ms: int, besides: Collection[str]) -> list[Sighting]:
-        """Return those that were first seen after a moment, each as it was seen last."""
-        names = self._others(name, besides)
-        return [self._newest[n] for n in names if self._first[n].start_ms > at_ms]
+    @cached_property
+    def _latest(self) -> Mapping[str, Sequence[tuple[int, str]]]:
+        """The sure objects of each kind with their first start, the latest first."""
+        if self._is_whole:
+            first = {name: s.start_ms for name, s in first_of(self._seen).items()}
+        else:
+            of, rows = np.unique(self._spans.of, return_index=True)
+            starts = self._spans.start_ms[rows].tolist()
+            first = {self._spans.ids[n]: at for n, at in zip(of.tolist(), starts, strict=True)}
+        return self._by_kind((first[name], name) for name in self._newest)
 
-    def seen_since(self, name: str, at_ms: int) -> list[Sighting]:
-        """Return those that were seen after a moment, and never in one round with the thing."""
-        others = [self._newest[other] for other in self._others(name, ())]
-        return [
-            other
-            for other in others
-            if other.start_ms > at_ms and self._shown[other.object_id].isdisjoint(self._shown[name])
-        ]
+    @cached_property
+    def _last(self) -> Mapping[str, Sequence[tuple[int, str]]]:
+        """The sure objects of each kind with their last end, the last first."""
+        return self._by_kind((s.end_ms, name) for name, s in self._newest.items())
 
-    def _others(self, name: str, besides: Collection[str]) -> list[str]:
-        ruled_out = self._unsure.union(besides, (name,))  # what may be a mistake doubts nothing
-        return [other for other in self._of_kind[self._of[name]] if other not in ruled_out]
+    def _by_kind(self, timed: Iterable[tuple[int, str]]) -> dict[str, list[tuple[int, str]]]:
+        of_kind: dict[str, list[tuple[int, str]]] = {}
+        for at_ms, name in sorted(timed, reverse=True):
+            if name not in self._unsure:  # what may be a mistake doubts nothing
+                of_kind.setdefault(self._of[name], []).append((at_ms, name))
+        return of_kind
+
+    def turned_up(self, name: str, at_ms: int, besides: Collection[str]) -> Iterator[Sighting]:
+        """Yield those that were first seen after a moment, each as it was seen last."""
+        for first_ms, other in self._latest.get(self._of[name], ()):
+            if first_ms <= at_ms:
+                return
+            if other != name and other not in besides:
+                yield self._newest[other]
+
+    def seen_since(self, name: str, at_ms: int) -> Iterator[Sighting]:
+        """Yield those that were seen after a moment, and never in one round with the thing.
+
+        By their ends and ids, the last first.
+        """
+        for end_ms, other in self._last.get(self._of[name], ()):
+            if end_ms <= at_ms:
+                return
+            newest = self._newest[other]
+            if newest.start_ms > at_ms and self._shown[name].isdisjoint(self._shown[other]):
+                yield newest
 
 
 def first_of(sightings: Iterable[Sighting]) -> dict[str, Sighting]:

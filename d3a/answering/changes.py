@@ -221,7 +221,7 @@ def _many_left(run: Run, var: str) -> list[Left]:
     there: dict[StayKey, list[Sighting]] = {last.stay: [] for last, *_ in gone}
     every = run.store.spans([last.object_id for last, *_ in gone])
     keys = [key for key in every.which() if key[:2] in there]
-    for sighting in run.store.sightings_at(keys):
+    for sighting in joined(run.store.sightings_at(keys)):
         there[sighting.stay].append(sighting)
     return [Left(there[last.stay], stay, absent) for last, stay, absent in gone]
 

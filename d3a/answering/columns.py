@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -53,7 +54,7 @@ def covered_ms(of: Ints, start_ms: Ints, end_ms: Ints, groups: int) -> Ints:
 
 def rounds_of(start_ms: Ints, end_ms: Ints) -> Ints:
     """Return the number of the round of each interval (n,), as `distinct.rounds` divides them."""
-    order = np.lexsort((end_ms, start_ms))
+    order = np.argsort(start_ms)  # what starts at once is of one round, in any order
     reached = np.maximum.accumulate(end_ms[order])
     begins = np.append(False, start_ms[order][1:] - reached[:-1] > ROUND_GAP_MS)
     numbers = np.empty(len(order), dtype=np.int64)
@@ -61,12 +62,22 @@ def rounds_of(start_ms: Ints, end_ms: Ints) -> Ints:
     return numbers
 
 
-def shown_in(spans: Spans, numbers: Ints) -> dict[str, set[int]]:
-    """Return the rounds that showed each object, by the number of each sighting's round (n,)."""
-    shown: dict[str, set[int]] = {name: set() for name in spans.ids}
-    for of, number in zip(spans.of.tolist(), numbers.tolist(), strict=True):
-        shown[spans.ids[of]].add(number)
-    return shown
+class Shown:
+    """The rounds that showed each object, by its id; a set is made where it is asked for."""
+
+    def __init__(self, spans: Spans, numbers: Ints) -> None:
+        """Take sightings and the number of the round of each (n,)."""
+        ends = np.searchsorted(spans.of, np.arange(len(spans.ids) + 1)).tolist()
+        self._rows = dict(zip(spans.ids, pairwise(ends), strict=True))
+        self._numbers = numbers
+        self._made: dict[str, set[int]] = {}
+
+    def __getitem__(self, name: str) -> set[int]:
+        """Return the numbers of the rounds that showed an object."""
+        if name not in self._made:
+            first, end = self._rows[name]
+            self._made[name] = {*self._numbers[first:end].tolist()}
+        return self._made[name]
 
 
 def least_number(of: Ints, start_ms: Ints, end_ms: Ints) -> int:

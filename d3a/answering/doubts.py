@@ -5,8 +5,9 @@ Each thing of a moment is judged: what a couch is under is doubted as much as th
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from functools import cached_property
+from itertools import islice
 
 from d3a.answering.alike import Alike
 from d3a.answering.moments import Entry, Moment, single
@@ -48,8 +49,8 @@ class Doubts:
         kept = list(self._kept)
         is_list = run.term(self._var).category == ANYTHING
         if is_list:
-            kept = [moment for moment in kept if not self._turned_up(moment.figure)]
-        beside = {id(moment) for moment in kept if self._of(moment.entries[1:])}
+            kept = [moment for moment in kept if not _any(self._turned_up(moment.figure))]
+        beside = {id(moment) for moment in kept if _any(self._of(moment.entries[1:]))}
         kept = [moment for moment in kept if id(moment) not in beside] or kept
         doubtful = {id(m) for m in kept if id(m) in beside or self._is_doubtful(m, is_list)}
         kept = _one_a_figure(kept, doubtful)
@@ -66,23 +67,26 @@ class Doubts:
         return kept
 
     def _is_doubtful(self, moment: Moment, is_list: bool) -> bool:
-        return bool(self._since(moment.figure) if is_list else self._of(moment.entries[:1]))
+        return _any(self._since(moment.figure) if is_list else self._of(moment.entries[:1]))
 
-    def _of(self, entries: Sequence[Entry]) -> list[Doubt]:
-        """Return what may be one of these and was seen elsewhere since."""
-        seen = [(e, [*self._turned_up(e), *self._since(e)]) for e in entries]
-        return [(self._run.var_of(entry), s) for entry, some in seen for s in some]
+    def _of(self, entries: Sequence[Entry]) -> Iterator[Doubt]:
+        """Yield what may be one of these and was seen elsewhere since: with it its newest."""
+        for entry in entries:
+            var = self._run.var_of(entry)
+            yield from ((var, sighting) for sighting in self._turned_up(entry))
+            yield from ((var, sighting) for sighting in islice(self._since(entry), 1))
 
-    def _turned_up(self, entry: Entry) -> list[Sighting]:
+    def _turned_up(self, entry: Entry) -> Iterator[Sighting]:
         name, var = entry.sighting.object_id, self._run.var_of(entry)
         if name in self._stay:
-            return []
+            return iter(())
         return self._among(var).turned_up(name, self._newest[name].end_ms, self._here[var])
 
-    def _since(self, entry: Entry) -> list[Sighting]:
+    def _since(self, entry: Entry) -> Iterator[Sighting]:
+        """Yield what may be the thing of an entry by its looks since, the newest first."""
         name, var = entry.sighting.object_id, self._run.var_of(entry)
         if name in self._stay:
-            return []
+            return iter(())
         return self._among(var).seen_since(name, self._newest[name].end_ms)
 
     @cached_property
@@ -95,6 +99,11 @@ class Doubts:
             before = self._before if var == self._var else self._run.found[var].sightings
             self._alike[var] = Alike(self._run, var, self._here[var], before)
         return self._alike[var]
+
+
+def _any(some: Iterator[object]) -> bool:
+    """Whether there is any, without looking for more."""
+    return next(some, None) is not None
 
 
 def _one_a_figure(moments: Sequence[Moment], doubtful: Collection[int]) -> list[Moment]:

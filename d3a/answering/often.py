@@ -53,7 +53,7 @@ def _of_many(run: Run, step: KeepOften) -> list[Moment]:
     start, end = (each[part] for each in columns.occasions(spans))
     looks = columns.rounds_of(spans.start_ms, spans.end_ms)
     rows = columns.lasts(spans.of, [end, start, spans.place])
-    shown = columns.shown_in(spans, looks)
+    shown = columns.Shown(spans, looks)
     names = (spans.ids[of] for of in spans.of[rows].tolist())
     each = ((name, shown[name], row) for name, row in zip(names, rows.tolist(), strict=True))
     things = _together(run, step.var, each, lambda row: int(end[row]))

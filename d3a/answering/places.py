@@ -17,6 +17,8 @@ from d3a.model import Position
 from d3a.store.base import Area, Region, StayRecord, Store, View
 
 DAY_MS = 86_400_000
+FAR_SIGMAS = 9.0
+"""What is further from a room is not in it: how likely it is all the same changes no sum."""
 _Bounds = tuple[float, float, float, float]
 
 
@@ -27,12 +29,15 @@ def probability_inside(region: Region, stays: Sequence[StayRecord]) -> NDArray[n
     room of another site, which has a map of its own, is nothing: 0.
     """
     result = np.full(len(stays), np.nan)
+    x_min, x_max, y_min, y_max = _bounds(region.polygon)
     for i, stay in enumerate(stays):
         if not is_of(region, stay.site):
             result[i] = -np.inf
         elif stay.position is not None:
-            depth = _depth_inside(region.polygon, stay.position[0], stay.position[1])
-            result[i] = depth / sigma_of(stay)
+            x, y, sigma = stay.position[0], stay.position[1], sigma_of(stay)
+            away = max(x_min - x, x - x_max, y_min - y, y - y_max)  # of the box around it
+            is_far = away > FAR_SIGMAS * sigma
+            result[i] = -np.inf if is_far else _depth_inside(region.polygon, x, y) / sigma
     known = ~np.isnan(result)
     result[known] = normal_cdf(result[known])
     return result

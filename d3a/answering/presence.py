@@ -50,7 +50,8 @@ def keep_present(run: Run, step: KeepPresent) -> None:
     if step.anywhere:
         ids = {moment.figure.sighting.object_id for moment in kept}
         alike = Alike(run, step.var, ids, before)  # the newest place counts
-        kept = [m for m in kept if not alike.seen_since(m.figure.sighting.object_id, m.end_ms)]
+        since = {id(m): alike.seen_since(m.figure.sighting.object_id, m.end_ms) for m in kept}
+        kept = [m for m in kept if next(since[id(m)], None) is None]
     else:
         kept = Doubts(run, step.var, kept, before, newest).judged()
     if run.moments is not None:

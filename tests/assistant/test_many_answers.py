@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from datetime import datetime, timedelta
 from typing import Any
 
 import pytest
@@ -106,6 +107,23 @@ def test_drawn_queries_have_the_answers_of_records(home: Home, query: FormalQuer
             read_as(patch, whole)
             answers.append(told(ask_query(store, query, now=NOW, limit=500)))
     assert answers[1] == answers[0]
+
+
+def test_what_the_limit_of_the_store_split_is_told_as_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    home, store = Home(), OracleStore()
+    home.thing("o0", "cup")
+    home.seen("o0", 0, 5)
+    home.seen("o0", 5, 9, absent=100)
+    home.into(store)
+    answers = []
+    for whole in (100_000, 0):
+        read_as(monkeypatch, whole)
+        answers.append(told(ask(store, "What is missing?", now=NOW)))
+    assert answers[1] == answers[0]
+    (missing,) = answers[1]["keyframes"]
+    assert datetime.fromisoformat(missing["end"]) - datetime.fromisoformat(
+        missing["start"]
+    ) == timedelta(minutes=9)
 
 
 def test_no_first_is_told_of_what_is_cut(store: Store) -> None:
