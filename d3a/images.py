@@ -186,10 +186,16 @@ def is_cut(content: bytes) -> bool:
 
 def crop(pixels: Pixels, box: Box) -> Pixels:
     """Return the box's pixels (a view), at least one; the box must overlap the picture."""
+    x1, y1, x2, y2 = corners(pixels, box)
+    return pixels[y1:y2, x1:x2]
+
+
+def corners(pixels: Pixels, box: Box) -> tuple[int, int, int, int]:
+    """Return the first and the end of a box's columns and rows: x1, y1, x2, y2; see `crop`."""
     height, width = pixels.shape[:2]
     x1, y1 = min(max(int(box[0]), 0), width - 1), min(max(int(box[1]), 0), height - 1)
     x2, y2 = min(max(round(box[2]), x1 + 1), width), min(max(round(box[3]), y1 + 1), height)
-    return pixels[y1:y2, x1:x2]
+    return x1, y1, x2, y2
 
 
 def resized(pixels: Pixels, width: int, height: int) -> Pixels:

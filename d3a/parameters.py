@@ -27,6 +27,7 @@ class Parameters:
     profile: Profile = "default"
     # What is taken in: weaker detections are left out; None: what the reader advises
     min_probability: float | None = None
+    own_pixels: bool = True  # of a picture's box the thing's own colours; False: all of them
     # Tier 1
     window_frames: int = 10
     min_frames: int = 2  # a cluster seen in fewer distinct frames is noise (paper profile)
@@ -131,7 +132,7 @@ class Parameters:
 
 
 DEFAULT = Parameters()
-PAPER = Parameters(profile="paper", interval_gap_s=1800.0)
+PAPER = Parameters(profile="paper", own_pixels=False, interval_gap_s=1800.0)
 """The paper does not say when a time interval ends. It never concludes that a thing is gone, so an
 interval goes on over half an hour, as the default profile's do over `unbroken_gap_s` while no look
 saw the thing gone; ten minutes would store 2.4 keyframes a place, where the paper's Q1 at Any

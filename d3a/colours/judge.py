@@ -74,6 +74,8 @@ UNSEEN = 0.5
 """Whether a thing of which nothing stands out in a colour is dark or light of it, nobody knows."""
 LEAST_ODDS = 0.4
 """A word is refused where its opposite is this much likelier; people differ on the rest."""
+PARTLY = 0.25
+"""What is of a colour in part is called by it so much more seldom than the part is large."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -136,11 +138,14 @@ class Appearances:
         """Return how likely each object is of the colours: of all of them, where several.
 
         colours: words for which `is_colour` holds; several make a thing of parts (red and white).
-        The alternatives are the eleven basic terms.
+        The alternatives are the eleven basic terms; a thing that is another of them may still be
+        called by the one that a part of it shows, such as scissors by that of their handles.
         """
         word = colours[0].replace("gray", "grey")
         if len(colours) == 1 and word in BASIC:
-            return _verdict(self.chances[:, BASIC.index(word)])
+            column = BASIC.index(word)
+            partly = PARTLY * self.pixels.terms_standing_out[:, column]
+            return _verdict(np.maximum(self.chances[:, column], partly))
         told = self._told.get(tuple(colours), None)
         if told is None:
             is_kind = len(colours) == 1 and bool(kinds_of(word))

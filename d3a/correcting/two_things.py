@@ -112,8 +112,8 @@ def _look(store: Store, seen: list[Sighting]) -> Look | None:
 
 
 def _look_in(store: Store, sighting: Sighting) -> Look | None:
-    """Return the histogram of the sighting's box, None where its picture is gone or unreadable."""
-    from d3a import images
+    """Return the histogram of the sighting's thing, None without a picture that can be read."""
+    from d3a import figure, images
     from d3a.model import BadInput
 
     keyframe = None if sighting.image is None else store.keyframe(sighting.image)
@@ -126,4 +126,4 @@ def _look_in(store: Store, sighting: Sighting) -> Look | None:
     scale = pixels.shape[1] / keyframe.width, pixels.shape[0] / keyframe.height
     x1, y1, x2, y2 = sighting.box
     box = (x1 * scale[0], y1 * scale[1], x2 * scale[0], y2 * scale[1])
-    return images.histogram(images.crop(pixels, box))
+    return figure.own_histogram(pixels, box)

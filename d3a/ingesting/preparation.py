@@ -12,7 +12,7 @@ from time import perf_counter, process_time
 
 from d3a import images
 from d3a.detectors.base import BatchDetector, Detector
-from d3a.embedders.base import Embedder, checked
+from d3a.embedders.base import Embedder, looks_in
 from d3a.geometry import Metres, clip_box, locate
 from d3a.images import Pixels
 from d3a.ingesting.intake import EVERYTHING, THING_OFF_LIMITS, Intake
@@ -178,7 +178,8 @@ class Preparation:
             detections = tuple(_near(d, frame.name, skipped) for d in detections)
             kept, left_out = self._usable(frame, detections, pixels, skipped)
             if self._embedder is not None and pixels is not None:
-                kept = _embedded(self._embedder, kept, pixels)
+                own = self._parameters.own_pixels
+                kept = _embedded(self._embedder, kept, pixels, own_pixels=own)
             kept = [locate(d, frame.pose, frame.camera, depth, self._parameters) for d in kept]
             kept, off_limits = self._allowed(frame, kept, skipped)
             left_out += off_limits
@@ -327,13 +328,16 @@ def _with_its_camera(frame: Frame, pixels: Pixels | None, skipped: Skipped) -> F
     return replace(frame, camera=None)
 
 
-def _embedded(embedder: Embedder, found: list[Detection], pixels: Pixels) -> list[Detection]:
+def _embedded(
+    embedder: Embedder, found: list[Detection], pixels: Pixels, *, own_pixels: bool
+) -> list[Detection]:
     """Return the detections, each with an embedding of unit length; those that have one keep it."""
     bare = [number for number, each in enumerate(found) if each.embedding is None]
     if not bare:
         return found
-    crops = [images.crop(pixels, found[number].box) for number in bare]
-    vectors = images.unit(checked(embedder, embedder.embed(crops), len(crops)))
+    vectors = images.unit(
+        looks_in(embedder, pixels, [found[n].box for n in bare], own_pixels=own_pixels)
+    )
     whole = list(found)
     for number, vector in zip(bare, vectors, strict=True):
         whole[number] = replace(found[number], embedding=vector)

@@ -64,7 +64,7 @@ def called(folder: Path) -> Called:
     return Called(
         [chosen[i].category for i in kept],
         np.array([BASIC.index(colours[chosen[i].object_id]) for i in kept], dtype=np.intp),
-        looks.of_rows.chances[kept],
+        np.stack([looks.of_rows.judge([term]).probability for term in BASIC], axis=1)[kept],
     )
 
 

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from d3a.answering.attributes import LEAST_DOUBTFUL
 from d3a.colours import BASIC, Appearances, Palette, Verdict, colours_of, is_colour, learn, terms
 from d3a.colours.kinds import kinds_of
 from d3a.colours.names import lab, rest_of
@@ -272,6 +273,20 @@ def test_wood_in_the_light_is_brown_before_it_is_white() -> None:
     views = np.full(len(matrix), 20.0)
     chances = Appearances.of(matrix, Palette.of(matrix), views).chances[0]
     assert chances[BASIC.index("brown")] > 2 * chances[BASIC.index("white")]
+
+
+def test_what_is_of_a_colour_in_part_is_not_denied_it() -> None:
+    rng = np.random.default_rng(8)
+    rest = [painted(paint, rng) for paint in PAINTS.values()]
+    blades, handles = (as_shares(painted(PAINTS[p], rng)[None, :])[0] for p in ("white", "red"))
+    scissors = np.float32(0.65) * blades + np.float32(0.35) * handles
+    matrix = np.stack([scissors.astype(np.float32), *rest])
+    looks = Appearances.of(matrix, Palette.of(matrix), np.full(len(matrix), 30.0))
+    assert looks.chances[0, BASIC.index("red")] < LEAST_DOUBTFUL  # it is a white thing
+    assert looks.judge(["white"]).tenable[0]
+    red, green = looks.judge(["red"]), looks.judge(["green"])
+    assert red.probability[0] >= LEAST_DOUBTFUL > green.probability[0]
+    assert not red.tenable[0]
 
 
 @pytest.mark.parametrize("exposure", [1.0, 0.6])
