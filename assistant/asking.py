@@ -12,11 +12,14 @@ from time import perf_counter
 from typing import Literal, cast, get_args
 from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 
+from assistant.all_of_them import some_of_them_words, wherever_they_are
 from assistant.beside import where_it_is
+from assistant.either import one_or_another, told_of_either
 from assistant.english import ORDINALS
 from assistant.forgotten_words import but_forgotten
 from assistant.lexicon import VocabularyLexicon
 from assistant.own_words import as_heard
+from assistant.polarity import expecting
 from assistant.reply import sentence
 from assistant.rooms import EVERYTHING, everything_words, in_each_room, told_by_room
 from assistant.several import one_by_one, told_of_each
@@ -237,6 +240,8 @@ def _told(
     if rooms := in_each_room(query, facts.regions()):
         each = [_answered(store, room, facts, now, limit, rung) for room in rooms]
         return told_by_room(query, each)
+    if plain := expecting(query):
+        return replace(_told(store, plain, facts, now, limit, rung), query=query)
     if things := one_by_one(query):
         return told_of_each(query, [_told(store, one, facts, now, limit, rung) for one in things])
     answer = _answered(store, query, facts, now, limit, rung)
@@ -245,7 +250,17 @@ def _told(
         if its.status != "found" or its.keyframes[0].last_absent is not None:
             return replace(answer, answer=_said(its, where, facts, now).answer)
         answer = replace(answer, otherwise=its.keyframes[0])
-    return _said(answer, query, facts, now)
+    told = _said(answer, query, facts, now)
+    if answer.status != "found":
+        return told
+    if either := one_or_another(query):
+        each = [_told(store, one, facts, now, limit, rung) for one in either]
+        return told_of_either(query, told, each)
+    asked = answer.query or query  # by its tense
+    if all_of_them := wherever_they_are(asked):
+        whole = _answered(store, all_of_them, facts, now, limit, rung)
+        return replace(told, answer=some_of_them_words(answer, whole, asked, now) or told.answer)
+    return told
 
 
 def _told_from(query: FormalQuery) -> int:

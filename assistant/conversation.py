@@ -141,7 +141,7 @@ class Conversation:
         meant = before.meant if same else None
         if row is not None and is_of_the_listed(heard, before.last, _seen(row, before.last), text):
             meant = row.object_id
-        answer = self._as_meant(answer, refused, meant)
+        answer = self._as_meant(answer, refused, meant, before.last)
         if tells_nothing(answer):  # what stands in the list would be all that was ever seen
             answer = replace(answer, keyframes=(), count=0, truncated=False)
         self._said = _Said(heard, answer, refused, meant, text)
@@ -171,9 +171,15 @@ class Conversation:
         return replace(answer, elapsed_ms=elapsed), query
 
     def _as_meant(
-        self, answer: Answer, refused: tuple[RankedKeyframe, ...], meant: str | None
+        self,
+        answer: Answer,
+        refused: tuple[RankedKeyframe, ...],
+        meant: str | None,
+        last: FormalQuery | None,
     ) -> Answer:
         """Return the answer without what was refused; of the thing meant, where that is known.
+
+        last: the query before.
 
         "Before that" asks for another place than that of the row told, "there" for the same.
         """
@@ -184,7 +190,7 @@ class Conversation:
             answer = self._without(answer, refused)
         nearby: Keep | None = None
         nothing = ""
-        if row is not None and is_beside(query, seen):
+        if row is not None and is_beside(query, seen, last):
             nearby, nothing = (lambda k: not same_place(k, row)), _nowhere_else(query)
         elif row is not None and _THERE.search(answer.text.lower()):
             nearby, nothing = (lambda k: same_place(k, row)), "I did not see it there then."

@@ -78,13 +78,20 @@ def _is_said(term: ObjectTerm, text: str) -> bool:
     return any(word in said for word in term.word.split()[-1:])
 
 
-def is_beside(query: FormalQuery, seen: Seen | None) -> bool:
-    """Whether a query asks where a thing was just before or after a sighting: elsewhere, then."""
+def is_beside(query: FormalQuery, seen: Seen | None, last: FormalQuery | None) -> bool:
+    """Whether a query asks where a thing was just before or after a sighting: elsewhere, then.
+
+    last: the query before; before that is also before the time that it asked of.
+    """
     if seen is None or query.time is None or query.ask != "where":
         return False
-    time = query.time
-    before = time.start is None and time.end == seen.start
-    return before or (time.end is None and time.start == seen.end)
+    time, asked = query.time, last.time if last is not None else None
+    begins, ends = {seen.start}, {seen.end}
+    if asked is not None:
+        begins.add(asked.start or asked.end or seen.start)
+        ends.add(asked.end or asked.start or seen.end)
+    before = time.start is None and time.end in begins
+    return before or (time.end is None and time.start in ends)
 
 
 def merge(last: FormalQuery, fragment: Fragment, seen: Seen | None = None) -> FormalQuery:

@@ -40,6 +40,7 @@ _PLENTY = frozenset(
     {"clothes", "stairs", "blinds", "groceries", "cosmetics", "sweets", "meds", "dentures", "skis"}
 )
 """These have no singular either, and are not counted."""
+_CLAUSE = " that is "
 
 
 def article(words: str) -> str:
@@ -58,12 +59,14 @@ def is_many(words: str) -> bool:
 
 
 def _head(words: str) -> str:
-    return words.rpartition(" ")[2].lower()
+    return words.partition(_CLAUSE)[0].rpartition(" ")[2].lower()
 
 
 def plural(words: str) -> str:
-    """Return the plural of a noun phrase."""
-    return words if is_many(words) else vocabulary.plural(words)
+    """Return the plural of a noun phrase: cups, cups that are not red."""
+    noun, clause, rest = words.partition(_CLAUSE)
+    many = noun if is_many(noun) else vocabulary.plural(noun)
+    return f"{many} that are {rest}" if clause else many
 
 
 def number_word(number: int) -> str:
@@ -82,6 +85,22 @@ def counted(number: int, words: str) -> str:
     if _head(words) in _PAIRS and number > 0:
         return f"{said} {'pair' if number == 1 else 'pairs'} of {words}"
     return f"{said} {words if number == 1 else plural(words)}"
+
+
+def range_of(least: int, most: int) -> str:
+    """Return "three", "two or three", "two to five"."""
+    return f"{_from(least, most)}{number_word(most)}"
+
+
+def counted_range(least: int, most: int, words: str) -> str:
+    """Return "a cup", "three cups", "two or three cups", "two to five cups"."""
+    return article(words) if most == 1 else f"{_from(least, most)}{counted(most, words)}"
+
+
+def _from(least: int, most: int) -> str:
+    if not 0 < least < most:
+        return ""
+    return f"{number_word(least)} {'or' if most == least + 1 else 'to'} "
 
 
 def times(number: int) -> str:

@@ -62,7 +62,8 @@ def described(term: ObjectTerm, unjudged: tuple[str, ...] = (), *, noun: str | N
         without.append(theirs(term.not_owner))
     kinds = (described(other) for other in term.other_than)
     without += [article(kind) for kind in kinds if f"not {kind}" not in unjudged]
-    return f"{said} that is {neither(without)}" if without else said
+    verb = "are" if noun == plural(noun_of(term)) != noun_of(term) else "is"
+    return f"{said} that {verb} {neither(without)}" if without else said
 
 
 def _any_of(term: ObjectTerm, unjudged: tuple[str, ...], noun: str | None) -> str:
@@ -215,6 +216,12 @@ def numbered(
 def plain_place(name: str) -> str:
     """Return the name of a place in small letters, without "my" before it."""
     return name.casefold().removeprefix("my ").removeprefix("our ").removeprefix("the ")
+
+
+def looking_into(answer: Answer, query: FormalQuery) -> str:
+    """Return the room that was looked into: " in the kitchen"; "" where none was asked for."""
+    told = query.place and not query.outside and not answer.unjudged
+    return f" {asked_place(query, query.place)}" if query.place and told else ""
 
 
 def is_room(name: str) -> bool:

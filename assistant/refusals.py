@@ -25,6 +25,7 @@ from assistant.phrases import (
     indefinite,
     is_one,
     kind_of,
+    looking_into,
     noun_of,
     numbered,
     said_many,
@@ -32,7 +33,9 @@ from assistant.phrases import (
     theirs,
     there_words,
 )
+from assistant.then import around_words
 from d3a.answer import Answer, RankedKeyframe
+from d3a.answering.points import edge_of
 from grammar import vocabulary
 from grammar.forms import ANYTHING, Ask, FormalQuery, ObjectTerm
 
@@ -116,12 +119,6 @@ def _last_look(answer: Answer, query: FormalQuery, now: datetime) -> str:
     if answer.last_looked is None:
         return ""
     return f" I last looked{looking_into(answer, query)} {when(answer.last_looked, now)}."
-
-
-def looking_into(answer: Answer, query: FormalQuery) -> str:
-    """Return the room that was looked into: " in the kitchen"; "" where none was asked for."""
-    told = query.place and not query.outside and not answer.unjudged
-    return f" {asked_place(query, query.place)}" if query.place and told else ""
 
 
 def _none_like_it(answer: Answer, query: FormalQuery, refused: list[str], now: datetime) -> str:
@@ -220,6 +217,9 @@ def _instead(other: RankedKeyframe, answer: Answer, query: FormalQuery, now: dat
         pronoun = article(kind_of(other))
     elif is_one(query) or query.ask in _OF_A_KNOWN_THING or answer.reason == "gone":
         pronoun = "them" if many else "it"
+    at = edge_of(query)
+    if at is not None and query.ask == "whether":
+        return around_words(other, pronoun, query, at, now)
     opening = "I saw" if answer.reason == "not_then" else "I last saw"
     return f"{opening} {pronoun} {when(other.end, now)}{there}."
 

@@ -27,6 +27,7 @@ from assistant.taught import (
     Teaching,
     Undoing,
 )
+from assistant.told import said_name
 from d3a import teaching as store_teaching
 from d3a.answer import RankedKeyframe, is_by_look
 from d3a.correcting.taught_looks import teach_look
@@ -111,7 +112,7 @@ def _name(store: Store, said: Naming, scene: Scene, now: datetime) -> Learned | 
     row = scene.row(said.row)
     if row is None:
         return _no_row(said.row, scene)
-    (word, owner), thing = named(said.said, kind_of(row), now), row_name(row)
+    (word, owner), thing = said_name(said.said, kind_of(row), now), row_name(row)
     heard = said_back(said.heard, kind_of(row))
     if said.isnt:
         known = store.objects(ids=[row.object_id], embeddings=False)
@@ -204,7 +205,7 @@ def _name_in_box(
     known = _seen_in(store, row, box)
     if known is not None:
         return _name(store, said, replace(scene, pointed=known), now)
-    word, owner = named(said.said, "", now)
+    word, owner = said_name(said.said, "", now)
     if not word:
         return Learned("Say what it is, too: these are my keys.", done=False)
     done = teach_look(store, row.image, box, word, owner, at_ms=_ms(now), heard=said.heard)
@@ -239,18 +240,6 @@ def overlap(a: Box, b: Box) -> float:
         return 0.0
     both = width * height
     return both / ((a[2] - a[0]) * (a[3] - a[1]) + (b[2] - b[0]) * (b[3] - b[1]) - both)
-
-
-def named(said: str, kind: str, now: datetime) -> tuple[str, str | None]:
-    """Return word and owner of a name as questions will have them: "Anna's keys", "mine"."""
-    from assistant.told import told_name, told_owner
-
-    if said in ("mine", "ours"):
-        return kind, "me"
-    alone = said.removesuffix("'s").removesuffix("'")
-    if alone != said and " " not in alone:
-        return kind, told_owner(alone)
-    return told_name(said, now)
 
 
 def _name_place(store: Store, said: PlaceNaming, scene: Scene, now: datetime) -> Learned:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable
+from dataclasses import replace
 from datetime import datetime
 
 from assistant.amounts import amount_words
@@ -20,12 +21,12 @@ from assistant.english import (
     article,
     clock,
     counted,
+    counted_range,
     day_of,
     listed,
     number_word,
     occasions,
     sentence_case,
-    slice_words,
     when,
 )
 from assistant.forced import as_judged, not_judged
@@ -53,15 +54,17 @@ from assistant.phrases import (
     there_words,
     where_words,
 )
-from assistant.refusals import looking_into, refusal_words
+from assistant.polarity import asks_of_an_end
+from assistant.refusals import refusal_words
 from assistant.tense import chooses_a_sighting, stood_then
+from assistant.then import where_then, whether_then
 from assistant.usually import often_words, usual_verdict, usual_words
-from assistant.wording import FAIRLY_SURE, NOT_SURE
+from assistant.wording import NOT_SURE, is_sure
 from d3a.answer import Answer, RankedKeyframe
-from d3a.answering.points import MINUTE, edge_of
+from d3a.answering.points import edge_of
 from d3a.colours import is_colour
 from grammar import vocabulary
-from grammar.forms import Ask, FormalQuery, ObjectTerm, TimeSlice
+from grammar.forms import ANYTHING, Ask, FormalQuery, ObjectTerm
 
 
 def sentence(answer: Answer, *, now: datetime) -> str:
@@ -90,7 +93,7 @@ def _whether(answer: Answer, query: FormalQuery, now: datetime) -> str:
         return f"{_yes(answer, query)}{_what(answer, query, now)}"
     at = edge_of(query)
     if at is not None:
-        return _whether_then(answer, query, at, now)
+        return whether_then(answer, query, at, now, _yes(answer, query))
     term, condition = term_of(query), condition_words(answer, query)
     many = said_many(query, term)
     heads, newest = likely_of(answer), newest_of(answer)
@@ -145,7 +148,9 @@ def _yes(answer: Answer, query: FormalQuery) -> str:
     if answer.unjudged or not_judged(answer):
         return ""
     if not query.negated or query.contrary:
-        return "Yes. " if newest_of(answer).score >= FAIRLY_SURE else "Maybe. "
+        return "Yes. " if is_sure(newest_of(answer)) else "Maybe. "
+    if asks_of_an_end(query):
+        return "No. "
     if any(word in query.text.casefold().split() for word in ("see", "seen")):
         return "I did: "
     if not is_one(query):
@@ -160,7 +165,7 @@ def _where(answer: Answer, query: FormalQuery, now: datetime) -> str:
         return usual_words(answer, query)
     at = edge_of(query)
     if at is not None:
-        return _where_then(answer, query, at, now)
+        return where_then(answer, query, at, now)
     if query.relation is None and len(query.objects) > 1:
         return _where_each(answer, query, now)
     words = _the_thing(answer, query)
@@ -170,7 +175,9 @@ def _where(answer: Answer, query: FormalQuery, now: datetime) -> str:
     where, last = where_words(best, query), "last " if query.select == "last" or since else ""
     first = "first " if query.select == "first" else ""
     many = said_many(query, term)
-    gone = gone_words(best, now, many=many, leads=True) if query.select == "last" else ""
+    # of a time that is over it says nothing: the thing was seen since
+    is_newest = query.select == "last" and (query.time is None or query.time.end is None)
+    gone = gone_words(best, now, many=many, leads=True) if is_newest else ""
     if "same" in best.why:  # the detector had another word for it there
         words += f" (or {article(kind_of(best))} like {'them' if many else 'it'})"
     if where:
@@ -184,58 +191,6 @@ def _where(answer: Answer, query: FormalQuery, now: datetime) -> str:
         told += f" I also saw {'one' if others == 1 else 'such things'} in "
         told += f"{counted(others, 'other place')}."
     return f"{gone} {told}".strip()
-
-
-def _where_then(answer: Answer, query: FormalQuery, at: datetime, now: datetime) -> str:
-    """Return what was true at a moment: the sighting before it, and the one after it."""
-    thing = definite(term_of(query), found_words(answer, query))
-    heads = heads_of(answer)
-    told = []
-    during = next((k for k in heads if _is_during(k, at)), None)
-    before = during or next((k for k in heads if k.start <= at), None)
-    after = next((k for k in heads if k.start > at), None)
-    if before is not None:
-        where = sentence_case(where_words(before, query) or "At a place that has no name")
-        if before is during:
-            return f"{where}. I was seeing {thing} there {slice_words(TimeSlice(at, at), now)}."
-        told.append(f"{where}. I had last seen {thing} there {when(before.end, now)}.")
-    if after is not None:
-        there = there_words(after, query)
-        pronoun = "them" if said_many(query, term_of(query)) else "it"
-        thing = pronoun if before is not None else thing
-        told.append(f"I saw {thing} next {when(after.start, now)}{there}.")
-    return " ".join(told)
-
-
-def _whether_then(answer: Answer, query: FormalQuery, at: datetime, now: datetime) -> str:
-    """Return whether it was seen at a moment; if not, the sighting before and the one after."""
-    term, condition = term_of(query), condition_words(answer, query)
-    many = said_many(query, term)
-    thing = indefinite(term, found_words(answer, query), many=many)
-    heads, moment = likely_of(answer), slice_words(TimeSlice(at, at), now)
-    during = next((k for k in heads if _is_during(k, at)), None)
-    if during is not None:
-        there = there_words(during, query)
-        return f"{_yes(answer, query)}I was seeing {thing}{condition} {moment}{there}."
-    before = max((k for k in heads if k.end < at), key=lambda k: (k.end, -k.rank), default=None)
-    after = min((k for k in heads if k.start > at), key=lambda k: (k.start, k.rank), default=None)
-    told = [f"I did not see {thing}{condition} {moment}."]
-    if answer.looked_then is False:
-        told = [f"I was not looking{looking_into(answer, query)} {moment}."]
-    for keyframe, verb in ((before, "had last seen"), (after, "next saw")):
-        if keyframe is not None:
-            there = there_words(keyframe, query)
-            seen = keyframe.end if keyframe is before else keyframe.start
-            pronoun = "some" if many else "one"
-            if is_one(query):
-                pronoun = thing if term.owner else ("them" if many else "it")
-            told.append(f"I {verb} {pronoun}{condition} {when(seen, now)}{there}.")
-    return " ".join(told)
-
-
-def _is_during(keyframe: RankedKeyframe, at: datetime) -> bool:
-    """Whether a keyframe's interval meets the minute that begins at a moment."""
-    return keyframe.start < at + MINUTE and keyframe.end >= at
 
 
 def _where_each(answer: Answer, query: FormalQuery, now: datetime) -> str:
@@ -302,13 +257,8 @@ def _what(answer: Answer, query: FormalQuery, now: datetime) -> str:
     sure = [k for k in heads if k.score >= NOT_SURE] or heads  # the rest stands in the table
     seen = {k.object_id: kind_of(k) for k in sorted(sure, key=lambda k: -k.score)}
     seen = dict([*seen.items()][: answer.count])  # what is doubtful is listed, and not counted
-    if kinds_of_broad(answer, query) or term_of(query).attributes:  # each has the looks asked for
-        seen = {
-            name: described(term_of(query), answer.unjudged, noun=kind)
-            for name, kind in seen.items()
-        }
-    kinds = Counter(seen.values())
-    things = [article(kind) if n == 1 else counted(n, kind) for kind, n in kinds.most_common(8)]
+    kinds = Counter(seen.values()).most_common()
+    things = [_of_kind(answer, query, kind, number) for kind, number in kinds[:8]]
     if len(kinds) > len(things) or answer.count > len({k.object_id for k in heads}):
         things.append("other things")
     condition = condition_words(answer, query)
@@ -316,6 +266,18 @@ def _what(answer: Answer, query: FormalQuery, now: datetime) -> str:
         newest = seen_when(newest_of(answer), now)
         return f"I last saw {listed(things)}{condition}, the newest {newest}.{_doubted(answer)}"
     return f"I saw {listed(things)}{condition}, {last_words(answer, query, now)}."
+
+
+def _of_kind(answer: Answer, query: FormalQuery, kind: str, number: int) -> str:
+    """Return so many things of a kind at most, and at least what must be different ones."""
+    least = sum(n for category, n in answer.kinds if vocabulary.canonical(category) == kind)
+    words = kind
+    term = term_of(query)
+    if term.category == ANYTHING:  # what it is not goes without saying
+        term = replace(term, without=(), other_than=(), not_owner=None)
+    if kinds_of_broad(answer, query) or term.attributes or term.without or term.other_than:
+        words = described(term, answer.unjudged, noun=kind)  # each is as it was asked for
+    return counted_range(least or number, number, words)
 
 
 def _doubted(answer: Answer) -> str:

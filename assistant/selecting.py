@@ -11,20 +11,24 @@ from typing import NamedTuple
 from assistant.asking import ask_query, read_question
 from assistant.config import SettingsError, moment_of
 from assistant.lexicon import VocabularyLexicon
+from assistant.phrases import kind_of
 from assistant.wording import NOT_SURE
 from d3a.answer import RankedKeyframe
 from d3a.answering.match import squash
 from d3a.model import BadInput
 from d3a.plan import Precision
 from d3a.store.base import Region, Store
-from grammar import parse
+from grammar import parse, vocabulary
 from grammar.errors import QuestionError
 from grammar.forms import ANYTHING, FormalQuery, ObjectTerm
 from grammar.vocabulary.words import singular
 
 MOST = 10_000
-_RUNGS: tuple[Precision, ...] = ("perfect", "attribute")
-"""A taught name, else the very category and look: what is only like it is not meant."""
+_RUNGS: tuple[Precision | None, ...] = ("perfect", "attribute", None)
+"""A taught name, else the very category and look, else the kinds of it: of fruit, the apple.
+
+What is only like it, or was called so now and then, is not meant.
+"""
 
 _SILENT = frozenset(("the", "a", "an", "all", "every", "each", "any", "of", "my", "your", "s"))
 """Words that say nothing of which things are meant, or only whose, which is a field of the term."""
@@ -69,8 +73,9 @@ def things_meant(store: Store, words: str, *, now: datetime, elsewhere: str = ""
         answer = ask_query(store, query, now=now, limit=MOST, precision=rung)
         if answer.status == "error":
             raise BadInput(answer.message or answer.answer)
-        if answer.status == "found":
-            meant = clearly_meant(words, answer.keyframes)
+        keyframes = answer.keyframes if rung else _kinds_of(query.objects[0], answer.keyframes)
+        if answer.status == "found" and keyframes:
+            meant = clearly_meant(words, keyframes)
             _check_owned(store, words, query.objects[0].owner, meant.ids, named=rung == "perfect")
             if answer.unjudged:
                 found = " and ".join(f"“{said}”" for said in answer.unjudged)
@@ -101,6 +106,11 @@ def clearly_meant(words: str, keyframes: Sequence[RankedKeyframe]) -> Meant:
             f"{', '.join(doubtful)}"
         )
     return Meant(clear, doubtful)
+
+
+def _kinds_of(term: ObjectTerm, keyframes: Sequence[RankedKeyframe]) -> list[RankedKeyframe]:
+    """Return what is of a kind that the noun covers, by the detector's own word for it."""
+    return [k for k in keyframes if term.category in vocabulary.broader(kind_of(k))]
 
 
 def _refusal(words: str, why: str, elsewhere: str = "") -> str:

@@ -8,11 +8,13 @@ from dataclasses import replace
 from assistant.amounts import holds
 from assistant.english import listed
 from assistant.phrases import definite, indefinite, is_one, numbered, term_of
-from assistant.wording import FAIRLY_SURE
+from assistant.wording import is_sure
 from d3a.answer import Answer
 from grammar.forms import FormalQuery, ObjectTerm
 
-_VERDICTS = ("Yes. ", "No. ", "Maybe. ", "No, not any more. ", "I cannot be sure. ")
+_VERDICTS = (
+    "Yes. ", "No. ", "Maybe. ", "No, not any more. ", "I cannot be sure. ", "Not all of them. ",
+)  # fmt: skip
 """What the answer of one thing begins with: it is told of all of them first."""
 
 
@@ -68,11 +70,12 @@ def times_of(answers: Sequence[Answer]) -> dict[str, float]:
 def _sentence(query: FormalQuery, answers: Sequence[Answer]) -> str:
     told = [answer.answer for answer in answers]
     if verdict := _verdict(query, answers):
-        told = [verdict, *(_without_verdict(each) for each in told)]
+        told = [verdict, *(without_verdict(each) for each in told)]
     return " ".join(told)
 
 
-def _without_verdict(told: str) -> str:
+def without_verdict(told: str) -> str:
+    """Return the sentence of one thing without the word that it begins with."""
     return next((told.removeprefix(word) for word in _VERDICTS if told.startswith(word)), told)
 
 
@@ -80,7 +83,7 @@ def _verdict(query: FormalQuery, answers: Sequence[Answer]) -> str:
     """Return yes, no, or which of them alone; "" where what is judged is a part of the question."""
     if any(answer.unjudged for answer in answers):
         return ""
-    so, two = [_is_so(answer) for answer in answers], len(answers) == 2
+    so, two = [is_so(answer) for answer in answers], len(answers) == 2
     if False not in so:
         if None in so:
             return f"I cannot be sure of {'both' if two else 'all of them'}."
@@ -93,12 +96,12 @@ def _verdict(query: FormalQuery, answers: Sequence[Answer]) -> str:
     return f"No, only {listed(things)}."
 
 
-def _is_so(answer: Answer) -> bool | None:
+def is_so(answer: Answer) -> bool | None:
     """Return whether it is so of one thing; None where that is not sure."""
     if answer.status != "found":
         unsure = answer.perhaps or answer.looked_then is False or answer.status != "not_found"
         return None if unsure else False
-    if answer.otherwise is not None or answer.keyframes[0].score < FAIRLY_SURE:
+    if answer.otherwise is not None or not is_sure(answer.keyframes[0]):
         return None
     asked = answer.query
     is_number = asked is not None and term_of(asked).quantity is not None

@@ -43,6 +43,16 @@ def told_name(said: str, now: datetime) -> tuple[str, str | None]:
     return " ".join([*thing.attributes, thing.word]), thing.owner
 
 
+def said_name(said: str, kind: str, now: datetime) -> tuple[str, str | None]:
+    """Return word and owner of a name as questions have them; of "mine", "Tom's" the kind alone."""
+    if said in ("mine", "ours"):
+        return kind, "me"
+    alone = said.removesuffix("'s").removesuffix("'")
+    if alone != said and " " not in alone:
+        return kind, told_owner(alone)
+    return told_name(said, now)
+
+
 def told_owner(said: str | None) -> str | None:
     """Return an owner as questions have it: "me" for me, my and mine."""
     if said is None:

@@ -9,7 +9,7 @@ from assistant.caveats import others_words
 from assistant.conditions import condition_words
 from assistant.counting import amount_of
 from assistant.each import asks_for_each, each_words, spot_words
-from assistant.english import article, counted, is_many, listed, plural
+from assistant.english import article, counted, is_many, listed, plural, sentence_case
 from assistant.phrases import (
     definite,
     described,
@@ -54,10 +54,11 @@ def usual_words(answer: Answer, query: FormalQuery) -> str:
     best = answer.keyframes[0].object_id
     own = [k for k in heads_of(answer) if k.object_id == best]
     spots = [f"{spot_words(k, query)} ({round(100 * _share(k))} %)" for k in own[:_SPOTS]]
+    was = f"{thing} {'were' if said_many(query, term) else 'was'}"
     if sum(_share(k) for k in own) < _LEAST_WHOLE:
         others = "Of the rest I cannot be sure: what I saw elsewhere may be the same."
-        return f"I saw {thing} {listed(spots)}. {others}"
-    told = f"Most of the time I saw {thing} {listed(spots)}."
+        return f"{sentence_case(was)} {listed(spots)}, as far as I saw. {others}"
+    told = f"Most of the time {was} {listed(spots)}, as far as I saw."
     more = max(answer.least, 1) - 1
     return f"{told} {others_words(more, many=False)}" if more else told
 
@@ -95,9 +96,9 @@ def usual_verdict(answer: Answer, query: FormalQuery) -> str:
     term, words = term_of(query), found_words(answer, query)
     many = said_many(query, term)
     thing = indefinite(term, words, many=many) if len(shares) > 1 else definite(term, words)
-    much = f"{round(100 * share)} % of the time that I saw {'them' if many else 'it'}"
+    was = f"{sentence_case(thing)} {'were' if many else 'was'}{condition_words(answer, query)}"
     verdict = "Yes" if share >= _MOSTLY else "No"
-    return f"{verdict}. I saw {thing}{condition_words(answer, query)} {much}."
+    return f"{verdict}. {was} {round(100 * share)} % of the time, as far as I saw."
 
 
 def _some(kind: str, number: int) -> str:

@@ -56,9 +56,17 @@ def place_words(keyframe: RankedKeyframe, *, brief: bool = False) -> str:
     return ", ".join(parts) or "place unknown"
 
 
+def is_sure(keyframe: RankedKeyframe) -> bool:
+    """Whether a keyframe is rather right than wrong, and its thing was seen more than once."""
+    return keyframe.score >= FAIRLY_SURE and "tentative" not in keyframe.why
+
+
 def how_sure(keyframe: RankedKeyframe) -> str:
-    """Return the band of the score, in words: never a bare number for a person."""
-    if keyframe.score >= FAIRLY_SURE:
+    """Return the band of the score, in words: never a bare number for a person.
+
+    A thing that was seen but once may be a mistake of the detector, however good it looks.
+    """
+    if is_sure(keyframe):
         return "fairly sure"
     return "not sure" if keyframe.score >= NOT_SURE else "a guess"
 

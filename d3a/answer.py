@@ -104,7 +104,8 @@ class Answer:
     seen before and after a moment, whether there was any look then (into the asked room); for the
     sentence, not part of the record.
     count of a no: how many there were where more were asked for.
-    amounts: of several objects that were counted at once, the least and the most of each.
+    amounts: of several objects that were counted at once, the least and the most of each. kinds:
+    of what is listed, how many must be different things of each category.
     stayed: from when to when it was so whenever it was seen, by time, where how long is asked;
     in_view: for how many seconds of that it was seen. doubted: the categories of what was there
     and may be elsewhere by now, so that it is not listed; for the sentence, as the next four.
@@ -132,6 +133,7 @@ class Answer:
     least: int = 0
     apart: int = 0
     amounts: tuple[tuple[int, int], ...] = ()
+    kinds: tuple[tuple[str, int], ...] = ()
     stayed: tuple[tuple[datetime, datetime], ...] = ()
     in_view: float = 0.0
     doubted: tuple[str, ...] = ()

@@ -12,7 +12,7 @@ from dataclasses import dataclass, fields, is_dataclass, replace
 from datetime import datetime
 from typing import Any
 
-from d3a.answering.points import asks_where_all_is, edge_of, looked_at
+from d3a.answering.points import asks_where_all_is, edge_of, looked_at, whether_at
 from d3a.answering.steps import (
     Cover,
     DropGone,
@@ -34,6 +34,7 @@ from d3a.answering.steps import (
     KeepMoved,
     KeepOften,
     KeepPresent,
+    KeepThen,
     KeepUsual,
     Lasting,
     LeaveOut,
@@ -75,6 +76,7 @@ __all__ = [
     "KeepMoved",
     "KeepOften",
     "KeepPresent",
+    "KeepThen",
     "KeepUsual",
     "Lasting",
     "LeaveOut",
@@ -158,6 +160,8 @@ def plan(
     present = (_asks_for_the_present(query) and not sighting) or lasting == "newest"
     if present or asks_where_all_is(query):
         steps.append(KeepPresent(var, anywhere=not present))
+    if (at := whether_at(query)) is not None:
+        steps.append(KeepThen(var, at))
     kept = [step for name in _on_their_own(query, names) for step in _keep_steps(query, name)]
     steps += kept
     steps.append(Measure(query.ask, var, objects[0].quantity))

@@ -6,7 +6,7 @@ import click
 
 from assistant import completing
 from assistant.options import now_of, settings_of, settings_options
-from assistant.told import carry_out, told_name, told_owner
+from assistant.told import carry_out, said_name, told_owner
 
 
 @click.command("teach")
@@ -29,11 +29,14 @@ def command(
     from d3a.constraints import Correction
     from d3a.store.base import Store
     from d3a.teaching import forget_name, teach_name
+    from grammar import vocabulary
 
     settings = settings_of(context)
 
     def act(store: Store, at_ms: int) -> Correction:
-        word, said_owner = told_name(name, now_of(settings, store))
+        known = store.objects(ids=[object_id], embeddings=False)
+        kind = vocabulary.canonical(known[0].category) if known else "thing"
+        word, said_owner = said_name(name, kind, now_of(settings, store))
         whose = told_owner(owner) or said_owner
         change = forget_name if remove else teach_name
         heard = name if owner is None else None

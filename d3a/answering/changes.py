@@ -227,11 +227,11 @@ def _many_left(run: Run, var: str) -> list[Left]:
 
 
 def usual(run: Run, step: KeepUsual) -> list[Moment]:
-    """Return the newest sighting of each stay with its share of the object's seen time.
+    """Return the newest sighting of each stay with its share of the object's time, see `_shares`.
 
     What others of its category, never seen in one round with it, were seen counts as its time
     too: they may be the same thing at another place. Whether it is usually at a place asks for the
-    share of all the time that it was seen anywhere.
+    share of all the time that it was anywhere.
     """
     found, when = run.found[step.var], Slice.of(step)
     many = step.var in run.spans
@@ -239,7 +239,7 @@ def usual(run: Run, step: KeepUsual) -> list[Moment]:
     spans = held_by(when, spans)
     stay = columns.stay_of(spans)
     newest = columns.lasts(stay, [spans.start_ms])
-    share = _shares(found, spans, stay)
+    share = _shares(found, spans, stay, when)
     if there is not None:
         asked = [key in there for key in spans.chosen(newest).stays()]
         newest, share = newest[asked], share[asked]
@@ -297,23 +297,48 @@ def _anywhere(run: Run, var: str) -> tuple[Spans, set[StayKey] | None]:
     return Spans.of_sightings(found.ids, anywhere), {s.stay for s in found.sightings}
 
 
-def _shares(found: Found, spans: Spans, stay: NDArray[np.int64]) -> NDArray[np.float64]:
-    """Return the share of its object's time that each stay has (stays,), in their order."""
-    end = np.maximum(spans.end_ms, spans.start_ms + LEAST_STAY_MS)
+def _shares(
+    found: Found, spans: Spans, stay: NDArray[np.int64], when: Slice
+) -> NDArray[np.float64]:
+    """Return the share of its object's time that each stay has (stays,), in their order.
+
+    How long a robot looked at a thing says little of how long it lay there. So each moment from
+    the first sighting of a thing to the last counts for the sighting that is nearest to it in
+    time: of the thing, or of what may be it, which takes its share with it.
+    """
     of_stay = np.zeros(int(stay.max(initial=-1)) + 1, dtype=np.int64)
     of_stay[stay] = spans.of
-    lengths = columns.covered_ms(stay, spans.start_ms, end, len(of_stay))
-    own = np.bincount(of_stay, lengths, minlength=len(spans.ids))
-    seen = columns.covered_ms(spans.of, spans.start_ms, end, len(spans.ids))
+    lengths, total = np.zeros(len(of_stay)), np.zeros(len(spans.ids))
     kinds: dict[str, list[int]] = {}
     for number, name in enumerate(spans.ids):
         kinds.setdefault(found.candidates[name].record.category, []).append(number)
-    total = own.copy()
-    place = np.zeros(len(spans.ids), dtype=np.int64)
     for numbers in kinds.values():
+        place = np.full(len(spans.ids), -1, dtype=np.int64)
         place[numbers] = np.arange(len(numbers))
-        rows = np.isin(spans.of, numbers)
+        rows = np.flatnonzero(place[spans.of] >= 0)
+        rows = rows[np.argsort(spans.start_ms[rows], kind="stable")]
         of = place[spans.of[rows]]
-        both = columns.met(of, spans.start_ms[rows], spans.end_ms[rows], len(numbers))
-        total[numbers] += ~both @ seen[numbers]
+        may_be = ~columns.met(of, spans.start_ms[rows], spans.end_ms[rows], len(numbers))
+        for own, number in enumerate(numbers):
+            mine = may_be[own][of] | (of == own)
+            length = _stood_ms(spans.start_ms[rows[mine]], spans.end_ms[rows[mine]], when)
+            its = of[mine] == own
+            lengths += np.bincount(stay[rows[mine]][its], length[its], minlength=len(lengths))
+            total[number] = length.sum()
     return np.asarray(lengths / total[of_stay])
+
+
+def _stood_ms(
+    start_ms: NDArray[np.int64], end_ms: NDArray[np.int64], when: Slice
+) -> NDArray[np.float64]:
+    """Return how much of the time in a slice is nearest to each sighting (n,), by start."""
+    if not len(start_ms):
+        return np.zeros(0)
+    reached = np.maximum.accumulate(np.maximum(end_ms, start_ms + LEAST_STAY_MS))
+    half = np.maximum(start_ms[1:] - reached[:-1], 0) / 2
+    edges = np.concatenate([start_ms[:1], reached[:-1] + half, reached[-1:]])
+    begin, end = np.maximum(edges[:-1], start_ms - np.append(0, half)), edges[1:]
+    low = -np.inf if when.start_ms is None else when.start_ms
+    high = np.inf if when.end_ms is None else when.end_ms
+    inside = np.clip(end, low, high) - np.clip(begin, low, high)
+    return np.asarray(np.maximum(inside, 1.0))

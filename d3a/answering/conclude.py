@@ -42,6 +42,7 @@ def conclude(run: Run, limit: int) -> Answer:
         value=_value(run, least, stayed),
         least=least,
         amounts=_amounts(run),
+        kinds=_kinds(run),
         stayed=tuple([_span(run, span) for span in stayed]),
         in_view=_in_view_ms(run) / 1000 if stayed else 0.0,
         doubted=tuple([m.figure.candidate.record.category for m in run.doubted]),
@@ -203,11 +204,28 @@ def least_of(run: Run) -> int:
 
 
 def _least(entries: Sequence[Entry]) -> int:
+    return sum(_least_by_kind(entries).values())
+
+
+def _least_by_kind(entries: Sequence[Entry]) -> dict[str, int]:
+    """Return how many things there must be of each category."""
     of: dict[str, list[Sighting]] = {}
     for entry in entries:
         if not is_tentative(entry):
             of.setdefault(entry.candidate.record.category, []).append(entry.sighting)
-    return sum(least_number(sightings) for sightings in of.values())
+    return {kind: least_number(sightings) for kind, sightings in of.items()}
+
+
+def _kinds(run: Run) -> tuple[tuple[str, int], ...]:
+    """Return how many things there must be of each category that is listed."""
+    if run.query.ask not in ("what", "whether"):
+        return ()
+    if run.spans:
+        many = [_least_by_kind_of_many(run, var, spans) for var, spans in run.spans.items()]
+        return tuple(each for least in many for each in least.items())
+    moments = run.standing(one.moment for one in run.ranked)
+    entries = [entry for moment in moments for entry in moment.entries[: run.figures]]
+    return tuple(_least_by_kind(entries).items())
 
 
 def _amounts(run: Run) -> tuple[tuple[int, int], ...]:
@@ -285,14 +303,20 @@ def _value(run: Run, least: int, stayed: Sequence[tuple[int, int]]) -> float | N
 
 def _least_of_many(run: Run, var: str, spans: Spans) -> int:
     """Return how many objects must be different things, over their categories; see `least_of`."""
+    return sum(_least_by_kind_of_many(run, var, spans).values()) or min(len(spans), 1)
+
+
+def _least_by_kind_of_many(run: Run, var: str, spans: Spans) -> dict[str, int]:
     candidates = run.found[var].candidates
     kinds = [candidates[name].record.category for name in spans.ids]
     number = {kind: n for n, kind in enumerate(dict.fromkeys(kinds))}
     kind_of = np.array([number[kind] for kind in kinds], dtype=np.int64)[spans.of]
     sure = ~np.array([candidates[name].record.tentative for name in spans.ids])[spans.of]
-    parts = (spans.chosen((kind_of == n) & sure) for n in number.values())
-    least = sum(columns.least_number(part.of, part.start_ms, part.end_ms) for part in parts)
-    return least or min(len(spans), 1)
+    parts = {kind: spans.chosen((kind_of == n) & sure) for kind, n in number.items()}
+    return {
+        kind: columns.least_number(part.of, part.start_ms, part.end_ms)
+        for kind, part in parts.items()
+    }
 
 
 def _clipped(run: Run, spans: Sequence[tuple[int, int]]) -> list[tuple[int, int]]:

@@ -34,6 +34,12 @@ def edge_of(query: FormalQuery) -> datetime | None:
     return query.time.start if one or query.ask == "where" else None
 
 
+def whether_at(query: FormalQuery) -> datetime | None:
+    """Return the point at which a thing is asked to have been somewhere, or stood so; else None."""
+    somewhere = query.relation is not None or query.place is not None
+    return edge_of(query) if query.ask == "whether" and somewhere else None
+
+
 def asks_where_all_is(query: FormalQuery) -> bool:
     """Whether it is asked where everything is now, in a place or anywhere."""
     category = query.objects[0].category if query.objects else ANYTHING

@@ -15,12 +15,14 @@ from d3a.answering.steps import (
     KeepMissing,
     KeepMoved,
     KeepOften,
+    KeepThen,
     KeepUsual,
     LeaveOut,
     Relate,
     TakeIn,
 )
 from d3a.answering.stretches import stretches
+from d3a.answering.then import keep_then
 
 Seldom = (
     TakeIn
@@ -31,6 +33,7 @@ Seldom = (
     | KeepMoved
     | KeepMissing
     | KeepOften
+    | KeepThen
     | KeepUsual
 )
 """The steps that `take` takes; `d3a.execute` takes the others."""
@@ -55,6 +58,8 @@ def take(run: Run, step: Seldom) -> None:
             run.moments = [*(run.moments or ()), *missing(run, step)]
         case KeepOften():
             run.moments = [*often(run, step)]
+        case KeepThen():
+            keep_then(run, step)
         case KeepUsual():
             run.moments = [*(run.moments or ()), *usual(run, step)]
         case _:

@@ -243,6 +243,14 @@ class KeepOften:
 
 
 @dataclass(frozen=True, slots=True)
+class KeepThen:
+    """Keep of what was somewhere, or stood so, around a moment what nothing nearer contradicts."""
+
+    var: str
+    at: datetime
+
+
+@dataclass(frozen=True, slots=True)
 class Measure:
     """Compute the number asked for: objects, seconds, or sightings."""
 
@@ -320,6 +328,7 @@ Step = (
     | FindNow
     | FindStretches
     | KeepPresent
+    | KeepThen
     | KeepMissing
     | KeepMoved
     | KeepUsual

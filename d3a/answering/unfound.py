@@ -114,7 +114,7 @@ def _why(run: Run, step: ExplainEmpty, var: str) -> None:
     outside = [] if sifted else _outside(run, step, var)
     if sifted or outside:
         run.reason = "not_there" if sifted else "not_then"
-        if not _is_anything_somewhere(run, var):
+        if run.otherwise is None and not _is_anything_somewhere(run, var):
             run.otherwise = _newest(table, sifted) if sifted else outside[0]
 
 

@@ -115,10 +115,21 @@ def test_what_is_usually_there_is_told_by_its_share_of_the_looks(home: Home) -> 
     )
     shares = {k.category: k.why["share"] for k in answer.keyframes}
     assert shares == {"bowl": 1.0, "key": pytest.approx(2 / 3, abs=1e-3), "cup": 0.3333}
-    assert told(home, "Is the cup usually in the kitchen?").startswith(
-        "Yes. I saw the cup in the kitchen 89 % of the time that I saw it."
+
+
+def test_what_is_usual_is_a_share_of_the_time_and_not_of_the_time_in_view(home: Home) -> None:
+    """In view for 50 minutes in the kitchen, and for six in the hall, where it lay longer."""
+    assert told(home, "Where is the cup usually?") == (
+        "Most of the time the cup was in the hall (65 %) and in the kitchen (35 %), as far as I "
+        "saw."
     )
-    assert told(home, "Is the cup usually in the hall?").startswith("No. I saw the cup in the hall")
+    assert told(home, "Is the cup usually in the kitchen?") == (
+        "No. The cup was in the kitchen 35 % of the time, as far as I saw."
+    )
+    assert told(home, "Is the cup usually in the hall?").startswith("Yes. The cup was in the hall")
+    assert told(home, "Where was the cup usually before 13:00 today?").startswith(
+        "Most of the time the cup was in the kitchen (100 %)"
+    )
 
 
 def test_each_room_is_told_by_itself(home: Home) -> None:
@@ -164,10 +175,7 @@ def test_what_is_asked_not_to_have_been_there_is_told_with_where_it_was_too(home
         said = told(home, question.replace("there", "in the kitchen"))
         assert said.startswith("I saw the bowl nowhere but in the kitchen."), question
     said = told(home, "Wasn't the cup in the kitchen today?")
-    assert said == (
-        "It was: I saw the cup in the kitchen today at 12:50, 6 hours ago. I saw it elsewhere too, "
-        "today at 16:01, 3 hours ago, in the hall."
-    )
+    assert said.startswith("Yes. I saw a cup in the kitchen today at 12:50, 6 hours ago.")
     assert told(home, "Was there no cup in the kitchen today?").startswith("No, there was: I saw")
 
 
@@ -175,9 +183,17 @@ def test_what_is_asked_not_to_be_there_is_there_or_is_not(home: Home) -> None:
     home.thing("bowl", "bowl")
     home.seen("bowl", 0, 5, at=(6, 2, 1), place=1)  # in the hall, and in the kitchen since
     home.seen("bowl", 60, 65, at=(1, 2, 1))
-    for question in ("Is the bowl not in the kitchen?", "Is the bowl no longer in the kitchen?"):
-        said = told(home, question)
-        assert said.startswith("It was, as far as I saw: I last saw the bowl in the kitchen today")
+    said = told(home, "Is the bowl not in the kitchen?")
+    assert said.startswith("It was, as far as I saw: I last saw the bowl in the kitchen today")
+    for question in ("Is the bowl no longer in the kitchen?", "Isn't the bowl there any more?"):
+        said = told(home, question.replace("there", "in the kitchen"))
+        assert said.startswith("No. I last saw the bowl in the kitchen today"), question
+    for question in (
+        "Isn't the bowl in the kitchen?",
+        "And isn\u2019t there a bowl in the kitchen?",
+    ):
+        assert told(home, question).startswith("Yes. I last saw a bowl in the kitchen"), question
+    assert told(home, "Isn't the bowl in the hall?").startswith("No, not any more. I last saw")
     assert told(home, "Is the bowl not in the hall?").startswith("That is right: I last saw")
     assert told(home, "Is a bowl not in the hall?").startswith("Yes. I last saw a bowl not in the")
 

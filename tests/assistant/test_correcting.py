@@ -68,6 +68,9 @@ def test_each_command_says_what_it_did_and_undo_takes_all_of_it_back(
     assert (split["place"], split["new_id"], split["changed"]) == (2, "s2", True)
     taught = record(run("teach", "keys-1", "Anna's keys", "--json"))
     assert taught["names"] == [{"word": "key", "owner": "anna"}]
+    alone = record(run("teach", "keys-1", "Tom's", "--json"))
+    assert alone["said"] == "keys-1 is Tom's key"
+    run("undo")
     again = record(run("teach", "keys-1", "keys", "--owner", "Anna", "--json"))
     assert (again["changed"], again["number"]) == (False, None)
     placed = record(run("place", "add", "Study", "--around", "1,3.5", "--radius", "0.5", "--json"))

@@ -88,6 +88,26 @@ def test_plain_things_go(run: Run, words: str) -> None:
     assert before - ids() == {"cup-1"}
 
 
+@pytest.mark.parametrize("words", ["drinkware", "all drinkware"])
+def test_a_wider_word_means_its_kinds_and_names_them_first(run: Run, words: str) -> None:
+    before = ids()
+    shown = run("forget", *words.split(), *HOME, "--dry-run")
+    assert "cup-1" in shown.stdout, shown.output
+    assert ids() == before
+    result = run("forget", *words.split(), *HOME, "--yes")
+    assert before - ids() == {
+        line.split()[0] for line in shown.stdout.splitlines()[2:] if "-" in line
+    }
+    assert result.exit_code == 0
+
+
+def test_what_is_wider_than_the_word_is_not_meant(run: Run) -> None:
+    before = ids()
+    for words in ("espresso cup", "fruit"):
+        assert run("forget", *words.split(), *HOME, "--yes").exit_code == 1
+    assert ids() == before
+
+
 @pytest.mark.parametrize(
     ("taught", "words", "gone"),
     [
@@ -97,6 +117,8 @@ def test_plain_things_go(run: Run, words: str) -> None:
         ("Anna's cup", "my cup", False),
         ("my cup", "my cup", True),
         ("my cup", "Anna's cup", False),
+        ("Anna's", "Anna's cup", True),
+        ("mine", "my cup", True),
         ("Excalibur", "Excalibur", True),
         ("cup", "my cup", True),
         ("cup", "Anna's cup", False),

@@ -1,0 +1,98 @@
+"""What was true at a moment: the sighting before it, and the one after it."""
+
+from __future__ import annotations
+
+from datetime import datetime
+
+from assistant.conditions import condition_words
+from assistant.english import sentence_case, slice_words, when
+from assistant.phrases import (
+    definite,
+    found_words,
+    heads_of,
+    indefinite,
+    is_one,
+    likely_of,
+    looking_into,
+    said_many,
+    term_of,
+    there_words,
+    where_words,
+)
+from d3a.answer import Answer, RankedKeyframe
+from d3a.answering.points import MINUTE
+from grammar.forms import FormalQuery, TimeSlice
+
+
+def where_then(answer: Answer, query: FormalQuery, at: datetime, now: datetime) -> str:
+    """Return where it was: where it was being seen, else seen last before and first after."""
+    thing = definite(term_of(query), found_words(answer, query))
+    heads = heads_of(answer)
+    told = []
+    during = next((k for k in heads if _is_during(k, at)), None)
+    before = during or next((k for k in heads if k.start <= at), None)
+    after = next((k for k in heads if k.start > at), None)
+    if before is not None:
+        where = sentence_case(where_words(before, query) or "At a place that has no name")
+        if before is during:
+            return f"{where}. I was seeing {thing} there {slice_words(TimeSlice(at, at), now)}."
+        told.append(f"{where}. I had last seen {thing} there {when(before.end, now)}.")
+    if after is not None:
+        there = there_words(after, query)
+        pronoun = "them" if said_many(query, term_of(query)) else "it"
+        thing = pronoun if before is not None else thing
+        told.append(f"I saw {thing} next {when(after.start, now)}{there}.")
+    return " ".join(told)
+
+
+def whether_then(
+    answer: Answer, query: FormalQuery, at: datetime, now: datetime, opening: str
+) -> str:
+    """Return whether it was so at a moment; if it was not seen, what was before and after.
+
+    Where it was elsewhere on one side of the moment, that is told of this side.
+    """
+    term, condition = term_of(query), condition_words(answer, query)
+    many = said_many(query, term)
+    thing = indefinite(term, found_words(answer, query), many=many)
+    heads, moment = likely_of(answer), slice_words(TimeSlice(at, at), now)
+    during = next((k for k in heads if _is_during(k, at)), None)
+    if during is not None:
+        there = there_words(during, query)
+        return f"{opening}I was seeing {thing}{condition} {moment}{there}."
+    told = [f"I did not see {thing}{condition} {moment}."]
+    if answer.looked_then is False:
+        told = [f"I was not looking{looking_into(answer, query)} {moment}."]
+    some = "some" if many else "one"
+    known = (thing if term.owner else "them" if many else "it") if is_one(query) else some
+    other = answer.otherwise
+    same = other is not None and other.object_id in {k.object_id for k in heads}
+    instead = known if same else f"{some} that may be the same"
+    before = max((k for k in heads if k.end < at), key=lambda k: (k.end, -k.rank), default=None)
+    after = min((k for k in heads if k.start > at), key=lambda k: (k.start, k.rank), default=None)
+    if before is not None:
+        told.append(around_words(before, f"{known}{condition}", query, at, now))
+    if other is not None and before is None:
+        told.append(around_words(other, instead, query, at, now))
+    if after is not None:
+        told.append(around_words(after, f"{known}{condition}", query, at, now))
+    if other is not None and before is not None:
+        told.append(around_words(other, instead, query, at, now))
+    return " ".join(told)
+
+
+def around_words(
+    keyframe: RankedKeyframe, thing: str, query: FormalQuery, at: datetime, now: datetime
+) -> str:
+    """Return a sentence on when and where a thing was seen before, at or after a moment."""
+    there = there_words(keyframe, query)
+    if _is_during(keyframe, at):
+        return f"I was seeing {thing} then{there}."
+    if keyframe.end < at:
+        return f"I had last seen {thing} {when(keyframe.end, now)}{there}."
+    return f"I next saw {thing} {when(keyframe.start, now)}{there}."
+
+
+def _is_during(keyframe: RankedKeyframe, at: datetime) -> bool:
+    """Whether a keyframe's interval meets the minute that begins at a moment."""
+    return keyframe.start < at + MINUTE and keyframe.end >= at

@@ -1,0 +1,113 @@
+"""Which of them it is: all or some, the one or the other, and how many must be different things."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from assistant.asking import ask
+from tests.worlds.made import NOW, Home
+from tests.worlds.oracle import OracleStore
+
+TABLE, THINGS = (100.0, 200.0, 300.0, 400.0), (180.0, 170.0, 220.0, 230.0)
+
+
+@pytest.fixture
+def home() -> Home:
+    """Two books on the table of the kitchen and one in the hall; a red cup in the kitchen."""
+    home = Home(classes=("cup", "book", "table", "vase"))
+    home.room("kitchen", -1, -1, 3, 3)
+    home.room("hall", 5, -1, 9, 3)
+    home.thing("table", "table")
+    home.seen("table", 0, 10, at=(1, 1, 0.7), box=TABLE)
+    for name, x in (("one", 0.9), ("two", 1.1)):
+        home.thing(name, "book", paint="red" if name == "one" else "blue")
+        home.seen(name, 0, 10, at=(x, 1, 0.8), box=THINGS)
+        home.met(name, "table", 0, 10, boxes=(THINGS, TABLE))
+    home.thing("three", "book", paint="green")
+    home.seen("three", 2, 8, at=(6, 1, 1))
+    home.thing("cup", "cup", paint="red")
+    home.seen("cup", 0, 10, at=(1, 2, 1))
+    return home
+
+
+def told(home: Home, question: str) -> str:
+    return ask(home.into(OracleStore()), question, now=NOW).answer
+
+
+def test_of_things_in_the_plural_all_or_some_are_there(home: Home) -> None:
+    assert told(home, "Are the books on the table?") == (
+        "Not all of them. I last saw two of the three books on the table, today at 12:10, "
+        "7 hours ago. One I saw in the hall, today at 12:08, 7 hours ago."
+    )
+    assert told(home, "Are the books in the kitchen?").startswith("Not all of them. I last saw two")
+    some = told(home, "Are the books not in the kitchen?")
+    assert some.startswith("Some of them were, as far as I saw: I last saw two of the three books")
+    home.seen("three", 40, 45, at=(1.1, 1.2, 0.8), place=1)
+    assert told(home, "Are the books in the kitchen?").startswith("Yes. I last saw books in the")
+    assert told(home, "Are the books in the hall?").startswith("No, not any more.")
+
+
+def test_some_things_of_many_are_no_all(home: Home) -> None:
+    """Some books, not the books; and keys are one thing, however often they were found anew."""
+    assert told(home, "Are there books on the table?").startswith("Yes. I last saw books on the")
+    for name, minute, x in (("found", 0, 6.0), ("again", 300, 1.0)):
+        home.thing(name, "key")
+        home.seen(name, minute, minute + 5, at=(x, 2, 1))
+    assert told(home, "Are the keys in the kitchen?").startswith("Yes. I last saw keys in the")
+
+
+def test_in_the_past_too(home: Home) -> None:
+    assert told(home, "Were the books on the table today?").startswith(
+        "Not all of them. I saw two of the three books on the table"
+    )
+
+
+@pytest.mark.parametrize(
+    ("question", "said"),
+    [
+        ("Is the cup in the hall or in the kitchen?", "Yes, in the kitchen. I last saw a cup in"),
+        ("Is the cup in the hall or the kitchen?", "Yes, in the kitchen. I last saw a cup in"),
+        ("Is the cup or the vase in the kitchen?", "Yes, the cup. I last saw a cup in"),
+        ("Is the red cup or the blue cup in the kitchen?", "Yes, the red cup. I last saw a red"),
+        ("Did you see a red or a blue book?", "Yes, both. I saw a red book"),
+        ("Did you see a vase or a cup today?", "Yes, a cup. I saw a cup"),
+        ("Was the red book on the table or the chair?", "Yes, on the table. I saw a red book"),
+        ("Is the vase in the hall or in the kitchen?", "I never saw a vase in the hall or in the"),
+    ],
+)
+def test_one_or_the_other(home: Home, question: str, said: str) -> None:
+    assert told(home, question).startswith(said)
+
+
+def test_what_is_listed_is_counted_as_what_is_asked_how_many(home: Home) -> None:
+    home.thing("mug", "cup", paint="blue")
+    home.seen("mug", 60, 65, at=(1, 2.5, 1))
+    assert told(home, "How many cups are in the kitchen?").startswith(
+        "At least one cup and at most"
+    )
+    assert told(home, "Which cups are in the kitchen?").startswith("I last saw one or two cups in")
+    assert "three books" in told(home, "What did you see?")
+    said = told(home, "Which books that are not yellow did you see?")
+    assert said.startswith("I saw three books that are not yellow, last today at 12:10")
+
+
+def test_what_was_seen_but_once_is_no_plain_yes(home: Home) -> None:
+    home.thing("vase", "vase", tentative=True)
+    home.seen("vase", 5, at=(1, 0, 1), probability=0.99)
+    home.sightings[-1] = replace(home.sightings[-1], seen=1)
+    said = told(home, "Did you see a vase?")
+    assert said.startswith("Maybe. I saw a vase")
+    assert "I am not sure" in said
+
+
+def test_an_owner_is_known_by_whatever_word_the_thing_was_taught_by(home: Home) -> None:
+    home.thing("mug", "cup", paint="blue", names=(("blue mug", "anna"),))
+    home.seen("mug", 60, 65, at=(1, 2.5, 1))
+    for question in ("Is the blue mug Anna's?", "Is the blue cup Anna's?", "Is the cup Anna's?"):
+        assert told(home, question).startswith("Yes. I saw Anna's"), question
+    assert told(home, "Is the book Anna's?") == "Nobody told me that the book is Anna's."
+    assert told(home, "Is the blue cup mine?") == (
+        "Nobody told me that the blue cup is yours. I know of some that are Anna's."
+    )
