@@ -38,6 +38,8 @@ from d3a.tracking.sides import (
 SURE_SEEN = 4
 """Views from which a thing counts as one of its own. Fewer may be strays of a neighbour, off by one
 bad localisation: that they are not seen again says nothing of where a thing went."""
+GONE_MOST = 5.0
+"""Log-odds that looks in vain count for at most, where it is asked what else is somewhere."""
 THROUGH_PRIOR = 6.0
 THROUGH_PRESENT, THROUGH_GONE = 0.08, 0.5
 """How often a place is seen through while its thing is there (poses and shapes err), and when it
@@ -182,6 +184,7 @@ class Absence:
         place.misses = place.throughs = 0
         place.missed_from = []
         place.evidence = 0.0
+        self._expect(place, 0.0)
         if place.last_absent_ms is not None:
             place.last_absent_ms, thing.dirty = None, True
 
@@ -208,17 +211,23 @@ class Absence:
         place.chances += share
         place.misses += 1
         place.throughs += is_through
-        if was_empty or self._is_gone(thing, place):
+        gone = self._gone_odds(thing, place)
+        self._expect(place, -math.log1p(math.exp(min(gone, GONE_MOST))))
+        is_gone = thing.seen >= SURE_SEEN and gone >= self._parameters.absent_odds
+        if was_empty or is_gone:
             place.last_absent_ms = self._end_ms
             thing.dirty = True
 
-    def _is_gone(self, thing: Known, place: Place) -> bool:
-        """Say whether a thing has most likely left a place, by all looks in vain since."""
-        least = self._parameters.absent_odds
-        if thing.seen < SURE_SEEN or place.evidence < least:  # what is weighed against it is < 0
-            return False
+    def _gone_odds(self, thing: Known, place: Place) -> float:
+        """Return the log-odds that a thing has left a place, by all looks in vain since."""
         known_ms, since_ms = self._end_ms - thing.first_ms, self._end_ms - place.last_ms
-        return place.evidence + left(len(thing.places) - 1, known_ms, since_ms) >= least
+        return place.evidence + left(len(thing.places) - 1, known_ms, since_ms)
+
+    def _expect(self, place: Place, there: float) -> None:
+        """Note how likely a place's thing is found there by the next frames."""
+        place.there = there
+        if place.row >= 0:
+            self._memory.positions.put_there(place)
 
     def forget(self, things: Iterable[Known]) -> None:
         """Forget what the look showed of things that leave the memory."""

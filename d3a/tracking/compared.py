@@ -49,14 +49,15 @@ class Frame(NamedTuple):
 class Gated(NamedTuple):
     """The things that a frame's may be, and where they may be.
 
-    rows: in the table of positions, by thing; columns: those of that table. spans: of each thing
-    where its rows begin and end among these; equal where it has none. placeless: indices of things
-    without a position. nowhere: detections without one.
+    rows: in the table of positions, by thing; columns, there: those of that table. spans: of each
+    thing where its rows begin and end among these; equal where it has none. placeless: indices of
+    things without a position. nowhere: detections without one.
     """
 
     things: list[Known]
     rows: list[int]
     columns: Floats
+    there: Floats
     spans: list[tuple[int, int]]
     placeless: list[int]
     nowhere: list[int]

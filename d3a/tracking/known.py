@@ -22,7 +22,8 @@ def object_id_of(number: int) -> str:
 class Place:
     """One location of a thing. row: in the table of positions, -1 where the position is unknown.
 
-    evidence: log-odds that it has left, from looks since it was last seen. doubt: log-odds that it
+    evidence: log-odds that it has left, from looks since it was last seen. there: logarithm of how
+    likely its thing is still there by those looks, 0 when it was just seen. doubt: log-odds that it
     never was, by the depth around its first view. hits of chances: looks
     that found it of looks that could have; misses: looks in a row that did not, throughs: those of
     them that saw what is behind. seen_from: where the camera was when it was seen; missed_from:
@@ -39,6 +40,7 @@ class Place:
     last_absent_ms: int | None = None
     open: Interval | None = None
     evidence: float = 0.0
+    there: float = 0.0
     doubt: float = 0.0
     hits: int = 0
     chances: float = 0.0

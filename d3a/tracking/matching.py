@@ -159,14 +159,14 @@ class Matcher:
             taken = [-1] * len(none)
             return Assigned([], taken, taken, none, Scoring(none, none), none, {}, 0)
         scoring = self._scoring(frame, things)
-        ratios = self._place_ratios(frame, aim, gated.columns)
+        ratios = self._place_ratios(frame, aim, gated)
         place = gated.by_thing(ratios)
         score = scoring.total(place)
         new = self._parameters.new_thing_odds
         taken = likelihood.assign(score, new)
         is_corrected = self._align(frame, things, taken, gated.at(ratios[0], taken))
         if is_corrected and not likelihood.is_settled(score, taken, new, SETTLED):
-            ratios = self._place_ratios(frame, frame.aim(self.offset), gated.columns)
+            ratios = self._place_ratios(frame, frame.aim(self.offset), gated)
             place = gated.by_thing(ratios)
             score = scoring.total(place)
             taken = likelihood.assign(score, new)
@@ -223,7 +223,8 @@ class Matcher:
         things = [known[number] for number in numbers]
         unplaced = [k for k, thing in enumerate(things) if thing in placeless] if placeless else []
         of = [spans.get(number, (0, 0)) for number in numbers]
-        return Gated(things, at, positions.columns[:, rows], of, unplaced, nowhere)
+        columns, there = positions.columns[:, rows], positions.there[rows]
+        return Gated(things, at, columns, there, of, unplaced, nowhere)
 
     def _scoring(self, frame: Frame, things: list[Known]) -> Scoring:
         """Return the evidence of category and look; of a thing named twice one name may agree."""
@@ -312,12 +313,13 @@ class Matcher:
         """Say whether the look model may learn of a thing: it is none by mistake, or all count."""
         return not self._is_histogram or thing.seen >= self._parameters.confirm_sightings
 
-    def _place_ratios(self, frame: Frame, aim: Aim, columns: Floats) -> Floats:
+    def _place_ratios(self, frame: Frame, aim: Aim, gated: Gated) -> Floats:
         """Return the evidence of place (2, n, k), with rows of places; NEVER out of the gate.
 
-        First against another thing anywhere, then against one that stands beside.
+        First against another thing anywhere, then against one that stands beside. What looks in
+        vain have shown to be gone is least likely what is at its place.
         """
-        parameters, (places, noise) = self._parameters, aim
+        parameters, (places, noise), columns = self._parameters, aim, gated.columns
         residuals = (places[:, :, None] - columns[:3, None]).reshape(3, -1)
         covariances = (noise[:, :, None] + columns[3:, None]).reshape(6, -1)
         squared, determinant = likelihood.squared_distances(residuals, covariances)
@@ -327,7 +329,7 @@ class Matcher:
             squared, determinant, (parameters.space_m3, beside), parameters
         )
         np.copyto(ratios, NEVER, where=~(squared <= parameters.gate_sigmas**2))
-        return ratios.reshape(2, len(frame.placed), -1)
+        return ratios.reshape(2, len(frame.placed), -1) + gated.there
 
     def _align(self, frame: Frame, things: list[Known], taken: list[int], at: list[int]) -> bool:
         """Correct the frame's offset by what was recognised; say whether there was anything.

@@ -180,11 +180,14 @@ def _join(kept: Known, gone: Known, memory: Memory, parameters: Parameters) -> N
         into.seen += of.seen
         into.first_ms = min(into.first_ms, of.first_ms)
         into.last_ms = max(into.last_ms, of.last_ms)
-    if place.last_absent_ms is not None and place.last_absent_ms < place.last_ms:
+    # the look that missed one of them found the other: both times are the same
+    if place.last_absent_ms is not None and place.last_absent_ms <= place.last_ms:
         place.last_absent_ms = None
     place.hits += lost.hits
     place.chances = max(place.chances, place.hits)
     place.misses, place.throughs, place.evidence, place.missed_from = 0, 0, 0.0, []
+    place.there = 0.0
+    memory.positions.put_there(place)
     place.seen_from = [*place.seen_from, *lost.seen_from][-SIDES_KEPT:]
     memory.positions.put_sides(place)
     # each was looked for in vain where the other was found

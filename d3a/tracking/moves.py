@@ -20,7 +20,7 @@ from d3a.ledger import Ledger
 from d3a.parameters import Parameters
 from d3a.sightings import Became, entry_name
 from d3a.store.base import StayKey
-from d3a.tracking.absence import SURE_SEEN, Absence
+from d3a.tracking.absence import GONE_MOST, SURE_SEEN, Absence
 from d3a.tracking.arrivals import CAME_MOST
 from d3a.tracking.kinds import Kind, Kinds
 from d3a.tracking.known import Known, Place
@@ -39,8 +39,6 @@ nothing: another side."""
 LIGHT_SHARE, LIGHT_LESS, LIGHT_SIGMA = 0.5, 0.15, 0.17
 """The share of moves into another light, before another background; by how much less alike that
 makes the looks, and how much that varies."""
-GONE_MOST = 5.0
-"""Log-odds that looks in vain count for at most."""
 LOOK_LEAST = -1.0
 """Log-odds of looks that speak against a move: below, places alone do not say what came."""
 PLAIN_LOOK, LEFT_LEAST = 3.0, 2.5

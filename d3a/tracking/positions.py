@@ -69,8 +69,8 @@ class Positions:
         self._size = 64
         self._order = np.empty(64, dtype=np.int64)
         """By thing and place, as one number."""
-        self._columns = np.ones((10, 64))
-        """Ones, and then `columns`."""
+        self._columns = np.ones((11, 64))
+        """Ones, then `columns`, then `there`."""
         self._sides = np.empty((64, 3, SIDES_KEPT))
         self._looks = np.empty((64, 5, LOOKS_KEPT))
 
@@ -90,7 +90,7 @@ class Positions:
 
         What all of a frame is compared with: so much quicker as so few rows of many numbers.
         """
-        return self._columns[1:, : len(self.owners)]
+        return self._columns[1:10, : len(self.owners)]
 
     @property
     def spots(self) -> Floats:
@@ -101,6 +101,11 @@ class Positions:
     def variance(self) -> Floats:
         """(3, k): the spread along x, y and z alone."""
         return self._columns[_DIAGONAL, : len(self.owners)]
+
+    @property
+    def there(self) -> Floats:
+        """(k,): see `Place.there`."""
+        return self._columns[10, : len(self.owners)]
 
     @property
     def spread_m2(self) -> Floats:
@@ -155,7 +160,11 @@ class Positions:
     def put(self, place: Place, row: Row) -> None:
         """Set what is known of a place."""
         self._rows[place.row] = row
-        self._columns[1:, place.row] = (*row.mean, *row.spread)
+        self._columns[1:10, place.row] = (*row.mean, *row.spread)
+
+    def put_there(self, place: Place) -> None:
+        """Take over how likely a place's thing is still there."""
+        self._columns[10, place.row] = place.there
 
     def add(self, placed: Sequence[tuple[Known, Place, Row]]) -> None:
         """Add places with what is known of them."""
@@ -168,9 +177,10 @@ class Positions:
             self._order = np.concatenate([self._order, np.empty_like(self._order)])
             self._sides = np.concatenate([self._sides, np.empty_like(self._sides)])
             self._looks = np.concatenate([self._looks, np.empty_like(self._looks)])
-        rows = [row for *_, row in placed]
-        self._rows += rows
-        self._columns[1:, first:last] = np.array([(*row.mean, *row.spread) for row in rows]).T
+        self._rows += [row for *_, row in placed]
+        self._columns[1:, first:last] = np.array(
+            [(*row.mean, *row.spread, place.there) for _, place, row in placed]
+        ).T
         self._sides[first:last] = np.nan
         for at, (thing, place, _) in enumerate(placed, first):
             self.owners.append((thing, place))

@@ -13,7 +13,7 @@ RATIOS = np.array([[[1.0, 4.0, 2.0], [3.0, 0.0, NEVER]], [[1.5, 0.5, 0.0], [2.0,
 
 
 def test_a_thing_that_moved_is_where_it_is_likeliest() -> None:
-    gated = Gated(THINGS[:2], [7, 8, 9], np.empty((9, 3)), [(0, 2), (2, 3)], [], [])
+    gated = Gated(THINGS[:2], [7, 8, 9], np.empty((9, 3)), np.zeros(3), [(0, 2), (2, 3)], [], [])
     assert gated.by_thing(RATIOS).tolist() == [
         [[4.0, 2.0], [3.0, NEVER]],
         [[1.5, 0.0], [2.0, NEVER]],
@@ -23,13 +23,17 @@ def test_a_thing_that_moved_is_where_it_is_likeliest() -> None:
 
 
 def test_what_is_nowhere_may_be_anything() -> None:
-    gated = Gated(THINGS, [7, 8, 9], np.empty((9, 3)), [(0, 2), (2, 3), (0, 0)], [2], [1])
+    gated = Gated(
+        THINGS, [7, 8, 9], np.empty((9, 3)), np.zeros(3), [(0, 2), (2, 3), (0, 0)], [2], [1]
+    )
     place = gated.by_thing(RATIOS)
     assert place[0].tolist() == [[4.0, 2.0, 0.0], [0.0, 0.0, 0.0]]
     assert gated.at(RATIOS[0], [2, 0]) == [-1, -1]
 
 
 def test_each_at_one_place_is_as_it_is() -> None:
-    gated = Gated(THINGS, [7, 8, 9], np.empty((9, 3)), [(0, 1), (1, 2), (2, 3)], [], [])
+    gated = Gated(
+        THINGS, [7, 8, 9], np.empty((9, 3)), np.zeros(3), [(0, 1), (1, 2), (2, 3)], [], []
+    )
     assert gated.by_thing(RATIOS) is RATIOS
     assert gated.at(RATIOS[0], [2, 0]) == [9, 7]

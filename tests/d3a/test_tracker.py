@@ -309,6 +309,39 @@ def test_a_thing_that_is_seen_again_is_not_absent() -> None:
     assert stay.last_absent_ms is None
 
 
+@pytest.mark.parametrize(
+    "stray",
+    [
+        Detection("cup", 0.9, (34, 20, 42, 28), embedding=colour(2)),
+        Detection("bowl", 0.9, (28, 20, 36, 28)),
+    ],
+)
+def test_what_was_missed_for_long_is_least_likely_what_turns_up_there(stray: Detection) -> None:
+    """A doubtful view is of a thing that was just there, and of another one where it has left."""
+    there = Detection("cup", 0.9, (28, 20, 36, 28), embedding=colour(1))
+    frames = [looking(n, there, away_m=2.0) for n in range(12)]
+    gone = [looking(n, away_m=4.0) for n in range(12, 24)]
+    (stay,) = filled([*frames, looking(24, stray, away_m=2.0)]).stays()
+    assert stay.seen == 7
+    left, other = filled([*frames, *gone, looking(24, stray, away_m=2.0)]).stays()
+    assert (left.seen, other.seen) == (6, 1)
+    assert left.last_absent_ms is not None
+    (back,) = filled([*frames, *gone, looking(24, there, away_m=2.0)]).stays()
+    assert back.seen == 7
+    assert back.last_absent_ms is None
+
+
+def test_a_thing_that_the_look_which_missed_it_finds_after_all_is_not_absent() -> None:
+    """Taken for another one at first, as it was missed for long, and made one with it then."""
+    there = Detection("cup", 0.9, (28, 20, 36, 28), embedding=colour(1))
+    unlike = Detection("cup", 0.9, (28, 20, 36, 28), embedding=colour(2))
+    frames = [looking(n, there, away_m=2.0) for n in range(12)]
+    frames += [looking(n, away_m=4.0) for n in range(12, 24)]
+    (stay,) = filled([*frames, looking(24, unlike, away_m=2.0)]).stays()
+    assert stay.seen == 7
+    assert stay.last_absent_ms is None
+
+
 def test_a_thing_seen_once_expires_when_looks_do_not_find_it() -> None:
     ghost = Detection("cup", 0.4, (28, 20, 36, 28), embedding=colour(1))
     frames = [looking(0, ghost, away_m=2.0)]
