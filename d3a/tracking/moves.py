@@ -70,14 +70,17 @@ class Link:
 class Asked:
     """A category while its moves are looked for.
 
-    looks: by number of a fresh one, the log-odds of its look against those of `kind.lasts`.
-    brought: log-odds that a certain one of these came. arrivals: what is known of them, by number,
-    as it is asked for.
+    likeness: how alike `kind.fresh` and `kind.lasts` look, (n, m), NaN where a look is unknown.
+    brought: log-odds that a certain one of these came. looks: by number of a fresh one, the
+    log-odds of its look against those of `kind.lasts`; arrivals: what is known of it; both as they
+    are asked for.
     """
 
+    name: str
     kind: Kind
-    looks: dict[int, list[float]]
+    likeness: Floats
     brought: float
+    looks: dict[int, list[float]] = field(default_factory=dict)
     arrivals: dict[int, float] = field(default_factory=dict)
 
 
@@ -114,41 +117,38 @@ class Moves:
         changed: numbers of the things that were seen, or missed, since the last call; a move has
         one of them at either end. By the numbers of the new and the old.
         """
-        kinds = {name: self._kinds.of(name) for name in self._names(changed)}
+        changed_of = self._by_category(changed)
+        kinds = {name: self._kinds.of(name) for name in sorted(changed_of)}
         for kind in kinds.values():
             if not kind.is_compared:
                 self._compare(kind)
         links: list[Link] = []
         for name, kind in kinds.items():
-            if pairs := self._pairs(kind, changed, now_ms):
+            if pairs := self._pairs(kind, changed_of[name], now_ms):
                 # Any other of the category may have come, or one that is not known.
                 brought = self._parameters.move_odds - math.log(len(kind.lasts) - 1)
-                asked = Asked(kind, self._looks_of(kind, name), brought)
+                asked = Asked(name, kind, self._likenesses(kind), brought)
+                self._look_at(asked, [new for new, _ in pairs])
                 links += [link for pair in pairs if (link := self._link(asked, *pair)) is not None]
         return sorted(links, key=lambda link: (link.new.number, link.old.number))
 
     def _pairs(self, kind: Kind, changed: set[int], now_ms: int) -> list[Pair]:
-        """Return what may be a move of a category, with one of the changed things at either end.
+        """Return what may be a move of a category, with one of its changed things at either end.
 
         Of those that were asked before only where more is known of either end since.
         """
-        vain = [(k, old, place) for k, (old, place) in enumerate(kind.lasts) if place.misses]
-        if not vain:
-            return []
-        fresh = [(new, new.first_ms, new.number in changed) for new in kind.fresh]
-        newest = max((first_ms for _, first_ms, _ in fresh), default=0)
+        news = [new for new in kind.fresh if new.number in changed]
         pairs: list[Pair] = []
-        for k, old, place in vain:
-            last_ms, is_missed = place.last_ms, old.number in changed
-            if last_ms >= newest:
+        for k, (old, place) in enumerate(kind.lasts):
+            if not place.misses:
                 continue
+            last_ms, gone = place.last_ms, min(place.evidence, GONE_MOST)
             pairs += [
                 (new, k)
-                for new, first_ms, is_changed in fresh
-                if last_ms < first_ms
-                and (is_missed or is_changed)
+                for new in (kind.fresh if old.number in changed else news)
+                if last_ms < new.first_ms
                 and new is not old
-                and self._is_due(new, old, min(place.evidence, GONE_MOST), now_ms)
+                and self._is_due(new, old, gone, now_ms)
             ]
         return pairs
 
@@ -174,11 +174,15 @@ class Moves:
             for new, old, seen, gone, due_ms in rows.tolist()
         }
 
-    def _names(self, changed: set[int]) -> list[str]:
-        """Return the categories of the confirmed ones of the changed things."""
-        least = self._parameters.confirm_sightings
-        known = (self._memory.things.get(number) for number in changed)
-        return sorted({t.category for t in known if t is not None and t.seen >= least})
+    def _by_category(self, changed: set[int]) -> dict[str, set[int]]:
+        """Return the confirmed ones of the changed things by their categories."""
+        least, things = self._parameters.confirm_sightings, self._memory.things
+        found: dict[str, set[int]] = {}
+        for number in changed:
+            thing = things.get(number)
+            if thing is not None and thing.seen >= least:
+                found.setdefault(thing.category, set()).add(number)
+        return found
 
     def _link(self, asked: Asked, new: Known, k: int) -> Link | None:
         """Return the move to a fresh thing from the last place of `lasts[k]`, if it is plain.
@@ -202,6 +206,7 @@ class Moves:
             (each, k) for each in asked.kind.fresh
             if place.last_ms < each.first_ms and each is not old and each is not new
         ]  # fmt: skip
+        self._look_at(asked, [each for each, _ in rivals])
         if self._chance(asked, (new, k), rivals, _surely_brought, _never_brought) < least:
             return None
 
@@ -232,25 +237,33 @@ class Moves:
             prior = max(prior, self._parameters.alike_odds)
         return math.exp(min(odds + prior, 50.0))
 
-    def _looks_of(self, kind: Kind, name: str) -> dict[int, list[float]]:
-        """Return the log-odds of the looks of things, by number of a fresh one and in their order.
-
-        Minus infinity where one is unknown.
-        """
-        things = [thing for thing, _ in kind.lasts]
-        if self._memory.looks.length == 0:
-            return {new.number: [-math.inf] * len(things) for new in kind.fresh}
-        units = self._memory.looks.units(things, self._space)
-        known = np.array([thing.look_weight > 0 for thing in things])
-        row = {thing.number: k for k, thing in enumerate(things)}
-        at = np.array([row[new.number] for new in kind.fresh])
-        likeness = products(units[at], units)
+    def _look_at(self, asked: Asked, fresh: list[Known]) -> None:
+        """Learn what the looks of some fresh things say, of those that were not asked for yet."""
+        wanted = {new.number for new in fresh if new.number not in asked.looks}
+        if not wanted:
+            return
+        rows = [row for row, new in enumerate(asked.kind.fresh) if new.number in wanted]
+        likeness = asked.likeness[rows]
         # Means vary less than the views that are compared with them.
         usual = math.sqrt(max(self._looks.mean(SAME), 0.0))
-        told = np.log(_same(likeness - usual) / self._densities(name)[_bins(likeness)])
-        if not known.all():
-            told[~(known[at][:, None] & known)] = -math.inf
-        return dict(zip((new.number for new in kind.fresh), told.tolist(), strict=True))
+        dense = self._densities(asked.name)[_bins(np.nan_to_num(likeness))]
+        told = np.nan_to_num(np.log(_same(likeness - usual) / dense), nan=-math.inf)
+        for row, looks in zip(rows, told.tolist(), strict=True):
+            asked.looks[asked.kind.fresh[row].number] = looks
+
+    def _likenesses(self, kind: Kind) -> Floats:
+        """Return how alike fresh things look and all of their category, see `Asked`."""
+        things = [thing for thing, _ in kind.lasts]
+        if self._memory.looks.length == 0:
+            return np.full((len(kind.fresh), len(things)), math.nan)
+        units = self._memory.looks.units(things, self._space)
+        row = {thing.number: k for k, thing in enumerate(things)}
+        at = [row[new.number] for new in kind.fresh]
+        likeness = products(units[at], units)
+        if not all(weights := [thing.look_weight for thing in things]):
+            known = np.array(weights) > 0
+            likeness[~(known[at][:, None] & known)] = math.nan
+        return likeness
 
     def _likeness(self, one: Known, others: list[Known]) -> Floats:
         """Return the cosines of a thing with those of some others whose looks are known."""

@@ -117,7 +117,9 @@ def _plain(moves: Moves, came: dict[int, float]) -> list[tuple[int, int]]:
     """Return the moves by the definition alone: every pair against every rival of it."""
     things = [moves._memory.things[number] for number in sorted(moves._memory.things)]
     kind = Kind([(thing, thing.latest) for thing in things], things)
-    asked = Asked(kind, moves._looks_of(kind, "bag"), DEFAULT.move_odds - math.log(len(things) - 1))
+    brought = DEFAULT.move_odds - math.log(len(things) - 1)
+    asked = Asked("bag", kind, moves._likenesses(kind), brought)
+    moves._look_at(asked, things)
     odds = {
         (new.number, old.number): moves._odds(asked, new, k, lambda thing: came[thing.number])
         for new in things
