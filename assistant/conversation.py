@@ -14,6 +14,7 @@ from time import perf_counter
 from typing import TYPE_CHECKING, Literal
 
 from assistant.asking import ask, ask_query, explain, failure, refusal, store_words
+from assistant.courtesies import courteous
 from assistant.dialogue import Seen, follow, is_about_the_same, is_beside, is_of_the_listed
 from assistant.phrases import tells_nothing
 from assistant.pointing import (
@@ -23,11 +24,14 @@ from assistant.pointing import (
     NotThis,
     Pointing,
     find_row,
+    is_of,
     narrowed,
+    of_the_told,
     other_thing,
     read_pointing,
     row_words,
     same_place,
+    same_row,
     shown,
     term_of_row,
     told,
@@ -35,7 +39,7 @@ from assistant.pointing import (
 from assistant.refusals import all_refused
 from assistant.session import Pointer
 from assistant.taught import Boxing, Naming, Teaching, Undoing, is_lesson, read_teaching, row_of
-from d3a.answer import Answer, RankedKeyframe, Status, is_by_look
+from d3a.answer import Answer, RankedKeyframe, Status
 from d3a.answering.facts import Facts
 from d3a.store.base import Store, StoreError
 from grammar.errors import QuestionError
@@ -48,6 +52,8 @@ if TYPE_CHECKING:
 Keep = Callable[[RankedKeyframe], bool]
 _THERE = re.compile(r"\b(?:it|they|them|one) there\b")
 _PRONOUN = re.compile(r"\b(?:it|they|them|its|their)\b")
+_ASKED = re.compile(r"[^?]*\w[^?]*(?:\?+|$)")
+"""Each question of a saying; what is only told before one belongs to it."""
 _RETRY = frozenset({"again", "try again", "ask again", "retry", "once more"})
 _YES = frozenset(
     {"yes", "yes please", "yes it is", "yes they are", "sure", "right", "correct", "do"}
@@ -96,13 +102,16 @@ class Conversation:
         if declined:
             self._said = replace(self._said, choices=())
             return self._beside_rows(text, "All right, I leave it as it is.", "found")
+        polite = courteous(text)
+        if polite is not None:
+            return self._beside_rows(text, polite, "found")
         teaching = None if looks_formal(text) else read_teaching(text)
         if teaching is not None:
             return self._offering(self._teach(text, teaching))
         pointing = read_pointing(text)
         if pointing is not None and self._is_of_rows(pointing):
             return self._offering(self._point(text, pointing))
-        return self._offering(self._question(text))
+        return self._offering(self._questions(text))
 
     def _picked(self, text: str) -> str:
         """Return the choice that a number names, where choices were offered; else the text."""
@@ -126,8 +135,25 @@ class Conversation:
 
     # questions and follow-ups
 
+    def _questions(self, text: str) -> Answer:
+        """Answer each question of one saying, the later ones after the earlier, all in words.
+
+        The rows are those of the last. Where one is not understood, the saying is read as one.
+        """
+        parts, before, row = _ASKED.findall(text), self._said, self.pointer.row
+        if len(parts) < 2 or looks_formal(text):
+            return self._question(text)
+        answers = [self._question(part.strip()) for part in parts]
+        if any(answer.status not in ("found", "not_found") for answer in answers):
+            self._said = before
+            self.pointer.to(row)
+            return self._question(text)
+        self._said = replace(self._said, text=text)
+        words = " ".join(answer.answer or "" for answer in answers)
+        return replace(answers[-1], text=text, answer=words)
+
     def _question(self, text: str) -> Answer:
-        before, told_of, row = self._said, _told_of(self._said.answer), self.pointer.row
+        before, told_of, row = self._said, of_the_told(self._said.answer), self.pointer.row
         self._said = replace(before, text=text)
         if told_of is not None and _PRONOUN.search(text.lower()):
             other = told_of.otherwise
@@ -203,7 +229,7 @@ class Conversation:
 
     def _without(self, answer: Answer, refused: tuple[RankedKeyframe, ...]) -> Answer:
         def is_left(keyframe: RankedKeyframe) -> bool:
-            return not any(_is_of(keyframe, row) for row in refused)
+            return not any(is_of(keyframe, row) for row in refused)
 
         return narrowed(answer, is_left, self._now(), nothing=all_refused(answer))
 
@@ -313,7 +339,7 @@ class Conversation:
         if self._said.refused:
             answer = self._without(answer, self._said.refused)
         self._said = replace(self._said, answer=answer, meant=None)
-        self.pointer.to(_same_row(shown(answer), row) or told(answer))
+        self.pointer.to(same_row(shown(answer), row) or told(answer))
 
     def _beside_rows(self, text: str, sentence: str, status: Status) -> Answer:
         """Return a sentence beside the rows that are shown already."""
@@ -352,43 +378,9 @@ def _nowhere_else(query: FormalQuery) -> str:
     return f"I did not see it anywhere else {beside} that."
 
 
-def _told_of(answer: Answer | None) -> Answer | None:
-    """Return an answer whose query is of the thing told in place of what was asked for.
-
-    After "I saw a bowl, but none that looked blue", `it` is that bowl: not the blue one.
-    """
-    query, other = (answer.query, answer.otherwise) if answer is not None else (None, None)
-    refused = other.why.get("refused") if other is not None else None
-    if answer is None or query is None or not refused:
-        return None
-    term = query.objects[0]
-    plain = replace(
-        term,
-        attributes=tuple(word for word in term.attributes if word not in refused),
-        without=tuple(word for word in term.without if f"not {word}" not in refused),
-    )
-    return replace(answer, query=replace(query, objects=(plain, *query.objects[1:])))
-
-
 def _plain(text: str) -> str:
     return " ".join(text.replace(",", " ").split()).rstrip(" .!").lower()
 
 
-def _is_of(row: RankedKeyframe, refused: RankedKeyframe) -> bool:
-    """Whether a row shows what was refused: its thing, or of a mere look the same place."""
-    if row.object_id != refused.object_id:
-        return False
-    return not is_by_look(row.object_id) or same_place(row, refused)
-
-
 def _seen(row: RankedKeyframe | None, query: FormalQuery | None) -> Seen | None:
     return None if row is None else Seen(row.start, row.end, term_of_row(row, query))
-
-
-def _same_row(
-    rows: tuple[RankedKeyframe, ...], row: RankedKeyframe | None
-) -> RankedKeyframe | None:
-    """Return the row that shows what one of an earlier answer showed."""
-    if row is None:
-        return None
-    return next((each for each in rows if (each.frame, each.box) == (row.frame, row.box)), None)

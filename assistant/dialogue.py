@@ -67,7 +67,9 @@ def is_of_the_listed(
     query: FormalQuery, last: FormalQuery | None, seen: Seen | None, text: str
 ) -> bool:
     """Whether a query goes on about the thing that was told of a list, by its pronoun alone."""
-    if last is None or seen is None or seen.thing is None or not is_list(last):
+    if last is None or seen is None or seen.thing is None:
+        return False
+    if last.objects and not is_list(last):
         return False
     return query.objects[:1] == (seen.thing,) and not _is_said(seen.thing, text)
 
@@ -128,7 +130,8 @@ def _time(last: FormalQuery, fragment: Fragment, seen: Seen | None) -> TimeSlice
     if fragment.shift is not None:
         return _shifted(last.time, fragment.shift, fragment.text, seen)
     if fragment.relative is not None:
-        return _beside(last.time, fragment.relative, fragment.text, seen)
+        told = last.ask in ("moved", "missing")  # before and after it moved, not the day asked of
+        return _beside(None if told else last.time, fragment.relative, fragment.text, seen)
     if fragment.time is not None:
         return fragment.time
     return last.time if fragment.query is None else fragment.query.time

@@ -36,11 +36,12 @@ _PAIRS = frozenset(
     | {"pliers", "tweezers", "tongs", "binoculars", "headphones", "chopsticks"}
 )
 """Two halves make one of it: it is counted in pairs."""
+_CLAUSE = " that is "
+"""What begins what is said of a noun after it."""
 _PLENTY = frozenset(
     {"clothes", "stairs", "blinds", "groceries", "cosmetics", "sweets", "meds", "dentures", "skis"}
 )
 """These have no singular either, and are not counted."""
-_CLAUSE = " that is "
 
 
 def article(words: str) -> str:
@@ -59,14 +60,20 @@ def is_many(words: str) -> bool:
 
 
 def _head(words: str) -> str:
-    return words.partition(_CLAUSE)[0].rpartition(" ")[2].lower()
+    return _apart(words)[0].rpartition(" ")[2].lower()
+
+
+def _apart(words: str) -> tuple[str, str]:
+    """Return a noun phrase and what is said of it after it: red cup, "not mine"."""
+    noun, _, clause = words.replace(" that are ", _CLAUSE).partition(_CLAUSE)
+    return noun, clause
 
 
 def plural(words: str) -> str:
-    """Return the plural of a noun phrase: cups, cups that are not red."""
-    noun, clause, rest = words.partition(_CLAUSE)
+    """Return the plural of a noun phrase: "red cups", "cups that are not red"."""
+    noun, clause = _apart(words)
     many = noun if is_many(noun) else vocabulary.plural(noun)
-    return f"{many} that are {rest}" if clause else many
+    return f"{many} that are {clause}" if clause else many
 
 
 def number_word(number: int) -> str:

@@ -62,7 +62,8 @@ def described(term: ObjectTerm, unjudged: tuple[str, ...] = (), *, noun: str | N
         without.append(theirs(term.not_owner))
     kinds = (described(other) for other in term.other_than)
     without += [article(kind) for kind in kinds if f"not {kind}" not in unjudged]
-    verb = "are" if noun == plural(noun_of(term)) != noun_of(term) else "is"
+    many = noun is not None and noun == plural(noun_of(term))  # as what has no singular is
+    verb = "are" if many or is_many(said) else "is"
     return f"{said} that {verb} {neither(without)}" if without else said
 
 

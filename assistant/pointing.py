@@ -25,7 +25,7 @@ from assistant.phrases import (
 )
 from assistant.reply import sentence
 from assistant.taught import LAST, ORDINAL, ROW, Row, row_of
-from d3a.answer import Answer, RankedKeyframe
+from d3a.answer import Answer, RankedKeyframe, is_by_look
 from grammar.forms import FormalQuery, ObjectTerm
 
 _LONG = timedelta(minutes=1)
@@ -193,3 +193,35 @@ def same_place(a: RankedKeyframe, b: RankedKeyframe) -> bool:
         return a.place == b.place and a.near == b.near
     apart = sum((p - q) ** 2 for p, q in zip(a.position, b.position, strict=True))
     return apart <= ONE_PLACE_M**2
+
+
+def of_the_told(answer: Answer | None) -> Answer | None:
+    """Return an answer whose query is of the thing told in place of what was asked for.
+
+    After "I saw a bowl, but none that looked blue", `it` is that bowl: not the blue one.
+    """
+    query, other = (answer.query, answer.otherwise) if answer is not None else (None, None)
+    refused = other.why.get("refused") if other is not None else None
+    if answer is None or query is None or not refused:
+        return None
+    term = query.objects[0]
+    plain = replace(
+        term,
+        attributes=tuple(word for word in term.attributes if word not in refused),
+        without=tuple(word for word in term.without if f"not {word}" not in refused),
+    )
+    return replace(answer, query=replace(query, objects=(plain, *query.objects[1:])))
+
+
+def is_of(row: RankedKeyframe, refused: RankedKeyframe) -> bool:
+    """Whether a row shows what was refused: its thing, or of a mere look the same place."""
+    if row.object_id != refused.object_id:
+        return False
+    return not is_by_look(row.object_id) or same_place(row, refused)
+
+
+def same_row(rows: tuple[RankedKeyframe, ...], row: RankedKeyframe | None) -> RankedKeyframe | None:
+    """Return the row that shows what one of an earlier answer showed."""
+    if row is None:
+        return None
+    return next((each for each in rows if (each.frame, each.box) == (row.frame, row.box)), None)

@@ -196,6 +196,9 @@ def _between(first: tf.Pieces, second: tf.Pieces, around: tf.Pieces, setting: Se
         begin = early.span(setting)[0]
         finish = b.span(setting, after=begin)[1]
         start, end = (begin, finish) if finish.date() == begin.date() else (start, end)
+    if start > setting.now and start.date() < end.date() and a.clock and b.clock:
+        day = tf.Length(((1, "day"),))  # from 10 pm to 6 am today: the night that ended today
+        start, end = before(start, day, setting), before(end, day, setting)
     if end < start:
         raise TimeError("it ends before it starts")
     return TimeSlice(start, max(end, start_end if a.clock is None and end == start else end))

@@ -6,8 +6,8 @@ from dataclasses import replace
 
 from grammar import timespan
 from grammar import timewords as tw
-from grammar.closed import words_of
-from grammar.phrases import phrases
+from grammar.closed import LEADING, is_open, words_of
+from grammar.phrases import phrases, place_follows
 from grammar.sayings import AUXILIARIES, QUESTION_STARTS, QUESTION_WORDS, sections
 from grammar.words import Word
 
@@ -27,7 +27,32 @@ def sentences(words: list[Word]) -> list[list[Word]]:
         else:
             pause = word.text == ":" or (word.text == "-" and _breaks_off(words, i))
             found[-1].append(replace(word, text=",") if pause else word)
-    return [part for sentence in found if sentence for part in _parted(sentence)]
+    return [part for sentence in _gone_on(found) for part in _parted(sentence)]
+
+
+def _gone_on(found: list[list[Word]]) -> list[list[Word]]:
+    """Join to a question the things it is asked of too: where is the wallet, and the phone."""
+    kept = [sentence for sentence in found if sentence]
+    for i in range(len(kept) - 1, 0, -1):
+        things = _things_too(kept[i])
+        if things and kept[i - 1][0].text in _OF_THINGS:
+            placed = any(place_follows(kept[i - 1], k) for k in range(len(kept[i - 1])))
+            kept[i - 1 : i + 1] = [kept[i - 1] + things] if not placed else kept[i - 1 : i + 1]
+    return kept
+
+
+def _things_too(words: list[Word]) -> list[Word]:
+    """Return `and` and the things of a sentence that names nothing else; nothing for others."""
+    if words[0].text != "and" or len(words) < 3:
+        return []
+    first = 3 if words[1].text in ("what", "how") and words[2].text == "about" else 1
+    led = first + 1 < len(words) and words[first].text in LEADING
+    named = all(is_open(w.text) or w.text in LEADING or w.text == "and" for w in words[first:])
+    return [words[0], *words[first:]] if led and named else []
+
+
+_OF_THINGS = ("where", "when", "have", "did")
+"""What begins a question that ends in its things, where no place is told after them."""
 
 
 def _breaks_off(words: list[Word], i: int) -> bool:

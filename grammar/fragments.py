@@ -109,7 +109,7 @@ def _followed(
     told: ObjectTerm | None,
 ) -> Fragment | FormalQuery:
     """Return what the sentences mean after `previous`."""
-    text, it = reading.text, _spoken_of(previous)
+    text, it = reading.text, _spoken_of(previous) or told
     if len(sentences) == 1:
         spoken = " ".join(w.text for w in _led(sentences[0]))
         if spoken in _ASKED_ANEW:
@@ -148,8 +148,9 @@ def _whole(
     What things were listed by keeps its pronoun: after what is on the table, the cup beside it is
     beside the table.
     """
-    whole = reading.of([said], _spoken_of(previous))
-    if told is None or not is_list(previous):
+    spoken_of = _spoken_of(previous)
+    whole = reading.of([said], spoken_of or told)
+    if told is None or spoken_of is None or not is_list(previous):
         return whole
     of_told = reading.of([said], told)
     if of_told.objects[:1] == whole.objects[:1]:  # the pronoun, if there is one, is no figure

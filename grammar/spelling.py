@@ -35,6 +35,7 @@ def _meant(words: StoreWords) -> frozenset[str]:
     targets.update(lex.plurals.values())
     targets.update((*tw.WEEKDAYS, *tw.MONTHS, *tw.PARTS, "yesterday", "today", "tonight"))
     targets.update(("where", "what", "when", "which", "there", "between", "behind", "under"))
+    targets.update(("anywhere", "somewhere", "everywhere", "anything", "something", "nothing"))
     targets.update(("beside", "together", "without", "many", "last", "before", "after", "since"))
     targets.update(("moved", "changed", "missing", "disappeared", "vanished", "happened"))
     targets.update(("three", "seven", "eight", "eleven", "twelve", "twenty", "thirty", "noon"))
@@ -147,9 +148,12 @@ def _nearest(text: str, targets: tuple[str, ...], reach: int) -> list[str]:
 
 
 def _short_or_sounding(text: str, known: frozenset[str], targets: tuple[str, ...]) -> list[str]:
-    """Return the short word with its last letter struck twice, or the words that sound so."""
+    """Return the short word with its last letter struck twice, or a plural, or what sounds so."""
     if text[-1] == text[-2] and len(text) == _MIN_LETTERS and text[:-1] in known:
         return [text[:-1]]
+    for ending in ("z", "es"):  # keyz, keyes
+        if text.endswith(ending) and text.removesuffix(ending) in known:
+            return [text.removesuffix(ending) + "s"]
     sound = _sound(text)
     return [
         target

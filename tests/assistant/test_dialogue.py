@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from assistant.dialogue import Seen, follow, is_of_the_listed, merge
 from grammar import NotUnderstood, QuestionError, StoreWords, parse
-from grammar.forms import FormalQuery, Json, ObjectTerm
+from grammar.forms import FormalQuery, Json, ObjectTerm, TimeSlice
 from grammar.fragments import Fragment, parse_fragment
 
 CORPUS = Path(__file__).parents[1] / "corpus" / "dialogues.toml"
@@ -176,6 +176,15 @@ def test_after_a_list_it_is_the_thing_told(text: str, words: list[str], place: s
     assert found.place == place
     of_it = found.objects[0] == TOLD.thing
     assert is_of_the_listed(found, last, TOLD, text) == of_it
+
+
+@pytest.mark.parametrize("asked", ["what moved today", "what is missing"])
+def test_before_that_is_before_the_thing_told_had_moved(asked: str) -> None:
+    last = parse(asked, now=NOW)
+    found = follow("where was it before?", now=NOW, words=WORDS, last=last, seen=TOLD)
+    assert (found.ask, found.objects) == ("where", (TOLD.thing,))
+    assert found.time == TimeSlice(None, TOLD.start)
+    assert is_of_the_listed(found, last, TOLD, "where was it before?")
 
 
 def test_all_of_a_list_is_not_asked_for_somewhere_else() -> None:

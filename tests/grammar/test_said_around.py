@@ -223,3 +223,16 @@ def test_a_question_may_be_told(opening: str) -> None:
 )
 def test_the_later_words_count(asked: str, first: str, then: str, mark: str) -> None:
     assert alike(asked.format(f"{first} {mark} {then}"), asked.format(then))
+
+
+@pytest.mark.parametrize(
+    ("said", "plainly"),
+    [
+        ("Where is the rake? And the broom?", "where is the rake and the broom"),
+        ("Did you see my jar. And what about my rake?", "did you see my jar and my rake"),
+        ("Where is the rake? And where is the broom?", "where is the broom"),
+        ("Is the rake in the hall? The broom is.", "is the rake in the hall"),
+    ],
+)
+def test_things_asked_for_after_the_question_belong_to_it(said: str, plainly: str) -> None:
+    assert alike(said, plainly)

@@ -35,6 +35,8 @@ def clock(moment: datetime | None) -> str:
 @pytest.mark.parametrize(
     ("said", "start", "end"),
     [
+        ("between 10 and 9 am today", "2016-11-06 22:00", "2016-11-07 09:00"),
+        ("from 10 pm to 6 am today", "2016-11-06 22:00", "2016-11-07 06:00"),
         ("last tuesday but one", "2016-10-25 00:00", "2016-10-26 00:00"),
         ("last week but one", "2016-10-24 00:00", "2016-10-31 00:00"),
         ("last weekend but one", "2016-10-29 00:00", "2016-10-31 00:00"),
