@@ -24,7 +24,7 @@ from assistant.reply import sentence
 from assistant.rooms import EVERYTHING, everything_words, in_each_room, told_by_room
 from assistant.several import one_by_one, told_of_each
 from assistant.spots import of_the_spot, on_a_spot, told_as_place, without_itself
-from assistant.tense import planned
+from assistant.tense import gone_by_now, is_no_more, planned
 from assistant.whose import whose_words
 from d3a.answer import Answer, Status
 from d3a.answering.conclude import within
@@ -245,6 +245,8 @@ def _told(
     if things := one_by_one(query):
         return told_of_each(query, [_told(store, one, facts, now, limit, rung) for one in things])
     answer = _answered(store, query, facts, now, limit, rung)
+    if answer.status == "found" and is_no_more(answer, query):
+        answer = gone_by_now(answer)
     if where := where_it_is(answer, query):
         its = _answered(store, where, facts, now, limit, rung)
         if its.status != "found" or its.keyframes[0].last_absent is not None:

@@ -6,7 +6,8 @@ import re
 from dataclasses import replace
 from itertools import pairwise
 
-from assistant.phrases import is_one
+from assistant.phrases import is_one, likely_of, newest_of
+from d3a.answer import Answer, RankedKeyframe
 from d3a.parameters import Parameters
 from d3a.plan import Lasting, Plan, Precision, plan
 from grammar.forms import FormalQuery
@@ -64,6 +65,34 @@ def lasting(query: FormalQuery) -> Lasting | None:
         return None
     still = "been" in words and any(word in _HAS for word in words)
     return "newest" if (still or _is_present(query.text)) and query.time is None else "all"
+
+
+def is_no_more(answer: Answer, query: FormalQuery) -> bool:
+    """Whether it is asked if there is a thing still, and each that was seen was gone later.
+
+    Only where nothing says where: a thing that left a place may be at another.
+    """
+    words = _words(query.text)
+    has = query.place is not None or query.relation is not None or query.time is not None
+    if query.ask != "whether" or has or query.negated or not {"there", "still"} & {*words}:
+        return False
+    past = [word for word in words if word not in _HAS]
+    if _says_past(past) or not (_is_present(" ".join(past)) or "still" in words):
+        return False
+    newest: dict[str, RankedKeyframe] = {}
+    for keyframe in sorted(likely_of(answer), key=lambda k: (k.last, -k.rank)):
+        newest[keyframe.object_id] = keyframe
+    return bool(newest) and all(k.last_absent is not None for k in newest.values())
+
+
+def gone_by_now(answer: Answer) -> Answer:
+    """Return the answer that what was seen is there no more, with what was seen of it last."""
+    last = newest_of(answer)
+    asked = None if answer.query is None else replace(answer.query, select="last")
+    return replace(
+        answer, status="not_found", reason="gone", query=asked, otherwise=last, keyframes=(),
+        count=0, least=0, value=None, truncated=False,
+    )  # fmt: skip
 
 
 def stood_then(query: FormalQuery) -> bool:

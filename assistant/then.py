@@ -9,7 +9,6 @@ from assistant.english import sentence_case, slice_words, when
 from assistant.phrases import (
     definite,
     found_words,
-    heads_of,
     indefinite,
     is_one,
     likely_of,
@@ -27,11 +26,13 @@ from grammar.forms import FormalQuery, TimeSlice
 def where_then(answer: Answer, query: FormalQuery, at: datetime, now: datetime) -> str:
     """Return where it was: where it was being seen, else seen last before and first after."""
     thing = definite(term_of(query), found_words(answer, query))
-    heads = heads_of(answer)
+    heads = likely_of(answer)
     told = []
     during = next((k for k in heads if _is_during(k, at)), None)
-    before = during or next((k for k in heads if k.start <= at), None)
-    after = next((k for k in heads if k.start > at), None)
+    before = during or max(
+        (k for k in heads if k.start <= at), key=lambda k: (k.end, -k.rank), default=None
+    )
+    after = min((k for k in heads if k.start > at), key=lambda k: (k.start, k.rank), default=None)
     if before is not None:
         where = sentence_case(where_words(before, query) or "At a place that has no name")
         if before is during:

@@ -158,7 +158,8 @@ def _find_objects(run: Run, step: FindObjects) -> None:
     table = Found({c.record.object_id: c for c in found})
     table.known = known
     run.found[step.var] = table
-    one = run.query.ask not in ("what", "count") and step.category != ANYTHING
+    listed = run.query.ask in ("what", "count") and step.var == run.query.objects[0].var
+    one = not listed and step.category != ANYTHING
     told = step.owner in ("me", "you") and one
     left_out = "-" in step.var  # whose they are is said of what is left out, see `leave_out`
     if step.owner is not None and found and not told and not left_out:

@@ -42,8 +42,9 @@ class Doubts:
         """Return what is told as so still: of each figure its surest moment, of these the newest.
 
         What is doubted for what it stands beside is left out where anything is not; a list leaves
-        out what may be elsewhere by now, or has it told apart (`doubted`); a yes bears no more
-        than is sure, and where nothing is, the newest that may be the thing (`otherwise`).
+        out what may be elsewhere by now, or has it told apart (`doubted`). Of a thing asked for,
+        but of a number, no more is told than is sure, and where nothing is, the newest that may
+        be it (`otherwise`).
         """
         run = self._run
         kept = list(self._kept)
@@ -62,7 +63,7 @@ class Doubts:
             doubts = [each for moment in unsure for each in self._of(moment.entries)]
             var, best = max(doubts, key=lambda each: (each[1].end_ms, each[1].object_id))
             run.otherwise = single(run.found[var], best)
-        elif run.query.ask == "whether":
+        elif run.query.ask not in ("count", "what") and run.term(self._var).quantity is None:
             kept = [moment for moment in kept if id(moment) not in doubtful]
         return kept
 

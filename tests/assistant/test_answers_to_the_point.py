@@ -368,3 +368,57 @@ def test_of_what_may_be_one_thing_the_newest_place_is_listed(home: Home) -> None
     answer = answered(home, "What is in the kitchen?")
     assert [k.object_id for k in answer.keyframes] == ["new"]
     assert answer.answer.endswith("A bowl that I saw there may be elsewhere by now.")
+
+
+@pytest.mark.parametrize(
+    "question", ["Is there a key?", "Is there still a key?", "Is the key still there?"]
+)
+def test_what_was_gone_at_the_last_look_is_there_no_more(home: Home, question: str) -> None:
+    home.thing("key", "key")
+    home.seen("key", 0, 5, at=(1, 0, 1))
+    assert told(home, question).startswith("Yes. I saw a key")
+    home.seen("key", 0, 5, at=(1, 0, 1), absent=90)
+    answer = answered(home, question)
+    assert (answer.status, answer.reason) == ("not_found", "gone")
+    assert answer.answer == (
+        "No, not any more. I last saw the key today at 12:05, 7 hours ago, in the kitchen. When I "
+        "looked there again today at 13:30, it was gone."
+    )
+    assert told(home, "Was there a key?").startswith("Yes. I saw a key")
+    home.thing("another", "key")
+    home.seen("another", 0, 5, at=(6, 0, 1))
+    assert answered(home, question).status == "found"
+
+
+def test_one_s_own_place_is_the_place(home: Home) -> None:
+    home.thing("table", "table")
+    home.seen("table", 238, 242, at=(6, 1, 0.5))
+    home.met("cup", "table", 240, 241, boxes=((10, 10, 20, 20), (0, 18, 60, 60)))
+    for question in ("What is on my table?", "How many cups are on my table?"):
+        assert "cup on your table" in told(home, question)
+
+
+def test_what_was_seen_next_is_nearest_in_time(home: Home) -> None:
+    for name, minute in (("k1", -60), ("k2", 90), ("k1", 60)):
+        if name not in home.objects:
+            home.thing(name, "key")
+        home.seen(name, minute, minute + 1, at=(1 if name == "k1" else 6, 0, 1))
+    said = told(home, "Where was the key at 12:30 today?")
+    assert "I saw it next today at 13:00" in said
+
+
+def test_a_number_has_the_range_that_how_many_has(home: Home) -> None:
+    for name, minute in (("left", 0), ("right", 0), ("again", 230)):
+        home.thing(name, "bowl")
+        home.seen(name, minute, minute + 1, at=(1, 0 if name == "left" else 2, 1))
+    assert told(home, "How many bowls are in the kitchen?").startswith("At least two bowls and")
+    assert told(home, "Are there more than two bowls in the kitchen?").startswith("I cannot be")
+
+
+def test_since_when_is_told_of_what_is_there_for_certain(home: Home) -> None:
+    for name, minute, x in (("old", 0, 1), ("away", 60, 6), ("new", 200, 1.5)):
+        home.thing(name, "bowl")
+        home.seen(name, minute, minute + 5, at=(x, 0, 1))
+    assert told(home, "Since when has the bowl been in the kitchen?").startswith(
+        "Since today at 15:20"
+    )
