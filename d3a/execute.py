@@ -307,6 +307,7 @@ def _rank(run: Run, step: Rank) -> None:
         unjudged=len(run.unjudged),
         at_ms=milliseconds(step.at),
         told=run.limit,
+        together_m=run.parameters.together_m,
     )
 
 

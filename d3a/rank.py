@@ -10,14 +10,15 @@ from __future__ import annotations
 import heapq
 import math
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple
 
 from d3a.answering.calibration import calibrated, kind_of
-from d3a.answering.distinct import things_of
+from d3a.answering.distinct import Apart, things_of
 from d3a.answering.moments import Entry, Moment
 from d3a.answering.points import MINUTE
 from d3a.model import Json
+from d3a.parameters import DEFAULT
 from grammar.forms import Select
 
 TENTATIVE = 0.8
@@ -75,6 +76,7 @@ def rank(
     unjudged: int = 0,
     at_ms: int | None = None,
     told: int | None = None,
+    together_m: float = DEFAULT.together_m,
 ) -> list[Ranked]:
     """Return the moments best first.
 
@@ -83,7 +85,8 @@ def rank(
     which holds the share of time. Ties go by start, then by object id and place.
     at_ms: a moment asked for: then time decides by the distance from it, before counts as nearer.
     unjudged: how many conditions of the question were left out. told: so many of them are told at
-    most: of the others only what is new among them need not come first.
+    most: of the others only what is new among them need not come first. together_m: what stands
+    so near to another of its kind is in its picture as well, as a rule.
     """
     scored = _scored(moments, unjudged)
     scored.sort(key=_by_score)
@@ -93,7 +96,9 @@ def rank(
         return _by_time(scored, lambda moment: (-moment.end_ms, 0))
     if select == "first":
         return _by_time(scored, lambda moment: (moment.start_ms, 0))
-    return _spread(scored, len(scored) if told is None else told) if spread else scored
+    if not spread:
+        return scored
+    return _spread(scored, len(scored) if told is None else told, together_m)
 
 
 def views_probability(probability: float, views: int) -> float:
@@ -200,7 +205,7 @@ def _places(moment: Moment) -> tuple[tuple[str, int], ...]:
     return tuple([entry.sighting.stay for entry in moment.entries])  # quicker than lazily
 
 
-def _spread(scored: Sequence[Ranked], told: int) -> list[Ranked]:
+def _spread(scored: Sequence[Ranked], told: int, together_m: float) -> list[Ranked]:
     """Return what shows something new before what repeats, among those about as likely.
 
     A repeat is not told as likelier than what stands before it, so that the list stays by score.
@@ -213,17 +218,18 @@ def _spread(scored: Sequence[Ranked], told: int) -> list[Ranked]:
     out: list[Ranked] = []
     for group in (likely, scored[len(likely) :]):
         left = told - len(out)
-        chosen = _new_first(group, left) if left > 0 else group
+        chosen = _new_first(group, left, together_m) if left > 0 else group
         for one in chosen:
             out.append(_at_most(one, out[-1].score) if out else one)
     return out
 
 
-def _new_first(scored: Sequence[Ranked], told: int) -> list[Ranked]:
+def _new_first(scored: Sequence[Ranked], told: int, together_m: float) -> list[Ranked]:
     """Return things not shown before first, then their other places, then the rest.
 
-    What may be a thing shown already, carried elsewhere under a new id, comes before their other
-    places, and after what is surely another one.
+    What may be a thing shown already comes before their other places, and after what is surely
+    another one: carried elsewhere under a new id, or beside one of its kind, which their places
+    tell apart badly and whose picture shows it too, as a rule.
 
     Several things in a relation are new as a pair: first pictures that show pairs not shown
     before, each picture once; then every pair by a moment of its own; then its places.
@@ -238,6 +244,7 @@ def _new_first(scored: Sequence[Ranked], told: int) -> list[Ranked]:
     else:
         things = things_of(one.moment.figure.candidate.record for one in scored)
         keys.insert(0, lambda moment: things[moment.figure.candidate.record.object_id])
+        out, waiting = _apart(waiting, things, together_m)
     for key_of in keys:
         if len(out) >= told:
             return out + waiting
@@ -255,6 +262,33 @@ def _new_first(scored: Sequence[Ranked], told: int) -> list[Ranked]:
         rounds.setdefault(times[key], []).append(one)
         times[key] += 1
     return out + [one for number in sorted(rounds) for one in rounds[number]]
+
+
+def _apart(
+    scored: Sequence[Ranked], things: Mapping[str, int], together_m: float
+) -> tuple[list[Ranked], list[Ranked]]:
+    """Return what shows another thing away from those of its kind before it, and the rest.
+
+    things: a number for each object, the same for those that may be one. Of what has no position
+    nobody knows what it stands beside.
+    """
+    out: list[Ranked] = []
+    rest: list[Ranked] = []
+    seen: set[int] = set()
+    kinds: dict[tuple[str, str], Apart] = {}
+    for one in scored:
+        figure = one.moment.figure
+        record, stay = figure.candidate.record, figure.stay
+        number, is_new = things[record.object_id], False
+        if number not in seen:
+            key = record.site, record.category
+            if (apart := kinds.get(key)) is None:
+                apart = kinds[key] = Apart(together_m)
+            is_new = stay is None or stay.position is None or apart.add(stay.position)
+        if is_new:
+            seen.add(number)
+        (out if is_new else rest).append(one)
+    return out, rest
 
 
 def _covering(scored: Sequence[Ranked]) -> list[Ranked]:

@@ -11,6 +11,7 @@ from bisect import bisect
 from collections.abc import Iterable, Sequence
 from operator import attrgetter
 
+from d3a.model import Position
 from d3a.store.base import ObjectRecord, Sighting
 
 ROUND_GAP_MS = 600_000
@@ -98,3 +99,25 @@ def _fits(span: tuple[int, int], spans: Sequence[tuple[int, int]]) -> bool:
     place = bisect(spans, span)
     is_after = place == 0 or spans[place - 1][1] < span[0]
     return is_after and (place == len(spans) or span[1] < spans[place][0])
+
+
+class Apart:
+    """Places none of which is within `reach_m` of another, found by the cells of a grid."""
+
+    def __init__(self, reach_m: float) -> None:
+        self._reach_m = reach_m
+        self._size_m = 2 * reach_m or 1.0
+        self._cells: dict[tuple[float, float], list[Position]] = {}
+
+    def add(self, at: Position) -> bool:
+        """Take a place in that is away from all the others; say whether it is."""
+        reach, size = self._reach_m, self._size_m
+        low, high = (at[0] - reach) // size, (at[0] + reach) // size
+        near, far = (at[1] - reach) // size, (at[1] + reach) // size
+        for column in (low,) if low == high else (low, high):
+            for row in (near,) if near == far else (near, far):
+                for other in self._cells.get((column, row), ()):
+                    if math.dist(at, other) < reach:
+                        return False
+        self._cells.setdefault((at[0] // size, at[1] // size), []).append(at)
+        return True

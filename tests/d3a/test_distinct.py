@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from itertools import groupby
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from d3a.answering.distinct import things_of
+from d3a.answering.distinct import Apart, things_of
 from d3a.store.base import ObjectRecord
 
 Span = tuple[int, int]
@@ -57,3 +58,18 @@ def test_each_goes_to_the_first_thing_that_it_may_be(spans: list[Span]) -> None:
     things = list(things_of([*records, *records]).values())
     assert [sorted(things).index(n) for n in things] == [sorted(numbers).index(n) for n in numbers]
     assert len(list(groupby(sorted(things)))) == len(expected)
+
+
+@given(
+    st.lists(st.tuples(*[st.floats(-3, 3)] * 3), max_size=30),
+    st.sampled_from([0.0, 0.3, 1.0, 2.5]),
+)
+def test_a_place_is_apart_where_none_that_was_taken_in_is_near(
+    places: list[tuple[float, float, float]], reach_m: float
+) -> None:
+    apart, kept = Apart(reach_m), list[tuple[float, float, float]]()
+    for place in places:
+        away = all(math.dist(place, other) >= reach_m for other in kept)
+        assert apart.add(place) == away
+        if away:
+            kept.append(place)

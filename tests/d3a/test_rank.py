@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from d3a.answering.match import Candidate
 from d3a.answering.moments import Entry, Moment
+from d3a.model import Position
 from d3a.rank import LEAST_OF_BEST, TENTATIVE, UNJUDGED, entry_score, rank
 from d3a.rank import views_probability as views
 from d3a.store.base import ObjectRecord, Sighting, StayRecord
@@ -97,6 +98,27 @@ def test_what_may_be_a_thing_carried_elsewhere_comes_after_surely_another() -> N
     assert order(moments, spread=True) == ["a@0", "b@20", "c@60", "a@40"]
     told = rank(moments, "all", spread=True, told=2)
     assert [one.moment.figure.sighting.object_id for one in told] == ["a", "b", "a", "c"]
+
+
+def standing(name: str, at: Position | None, *, category: str = "cup") -> Moment:
+    one = moment(name, 0, span=(0, 9))
+    entry = one.figure
+    assert entry.stay is not None
+    record = replace(entry.candidate.record, category=category)
+    candidate, stay = replace(entry.candidate, record=record), replace(entry.stay, position=at)
+    return one._replace(entries=(entry._replace(candidate=candidate, stay=stay),))
+
+
+def test_what_stands_beside_one_of_its_kind_comes_after_what_stands_elsewhere() -> None:
+    cups = [standing("a", (0, 0, 0)), standing("b", (0.4, 0, 0)), standing("c", (3, 0, 0))]
+    assert order(cups, spread=True) == ["a@0", "c@0", "b@0"]
+    assert order(cups) == ["a@0", "b@0", "c@0"]
+    of_two_kinds = [cups[0], standing("b", (0.4, 0, 0), category="bowl"), cups[2]]
+    assert order(of_two_kinds, spread=True) == ["a@0", "b@0", "c@0"]
+    unplaced = [cups[0], standing("b", None), cups[2]]
+    assert order(unplaced, spread=True) == ["a@0", "b@0", "c@0"]
+    apart = rank(cups, "all", spread=True, together_m=0.3)
+    assert [one.moment.figure.sighting.object_id for one in apart] == ["a", "b", "c"]
 
 
 def pair(a: str, b: str, start: int, frame: str, probability: float = 0.9) -> Moment:
