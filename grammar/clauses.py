@@ -16,6 +16,7 @@ from grammar.phrases import SUBJECT_OF, phrases, place_follows, stands_at
 _SUBJECTS = ("i", "we", "you", "he", "she", "they")
 _AUXILIARY = words_of("have had has am is are was were been did do will would could can")
 _SAID_OF_SEEN = words_of("is are was were belongs belong belonged does do did")
+_SAID_OF_ONES = ("with", "without", "that", "which", "in", "on")
 _OBJECTS = ("her", "him", "them")
 _BEFORE_VERB = words_of(
     "last just already always usually normally often typically generally sometimes recently also "
@@ -28,6 +29,9 @@ class ClauseTagger(Cursor):
 
     def _clause(self) -> bool:
         """Read that is red, which was on the table, that has a handle, that i left in the hall."""
+        if self._last() == "NOUN" and self._told_again():
+            self.i += 2  # my shoes the ones with the stars
+            return True
         kinds = [t.type for t in self.out.tags[-3:]]
         if self._text(self.i) == "that" and kinds == ["NOUN", "BE", "THERE"]:
             del self.out.tags[-2:]  # how many chairs are there that are not wooden
@@ -38,9 +42,10 @@ class ClauseTagger(Cursor):
                 return False
         if self._text(self.i) in _SUBJECTS and self._asked():
             return self._relative(self.i)
-        if self._text(self.i) not in ("that", "which", "who"):
-            return False
         k = self.i + 1
+        heard = self._text(self.i) == "what" and self._text(k) in _SUBJECTS  # the ball what i had
+        if self._text(self.i) not in ("that", "which", "who") and not heard:
+            return False
         if self._of_theirs(k):
             return True
         if k < len(self.words) and stands_at(self.words, k):
@@ -80,6 +85,11 @@ class ClauseTagger(Cursor):
         if [self._text(k + n) for n in (1, 2)] == ["not", "have"]:
             return self._part_of(k + 3, without=True)
         return self._relative(k)
+
+    def _told_again(self) -> bool:
+        """Whether `the one` is the thing just named, and something is said of it after it."""
+        ones = self._text(self.i) in DETERMINERS and self._text(self.i + 1) in ("one", "ones")
+        return ones and self._text(self.i + 2) in _SAID_OF_ONES
 
     def _names_kind(self, k: int) -> bool:
         """Whether a kind of thing stands alone at `k`, no look and no place."""

@@ -130,6 +130,8 @@ def _asks_at(texts: list[str], i: int) -> bool:
     first, second = texts[i], texts[i + 1]
     if first in QUESTION_WORDS:
         return second in _ASKING_VERBS
+    if (first, second) in _IDEAS:
+        return texts[i + 2] in QUESTION_WORDS
     return first in AUXILIARIES and second in (*_ASKED_SUBJECTS, "you", "there", "i", "we")
 
 
@@ -146,6 +148,7 @@ _ASKED = (
     ("could", "you"),
     ("do", "you"),
 )
+_IDEAS = (("any", "idea"), ("any", "ideas"), ("any", "clue"), ("no", "idea"), ("no", "clue"))
 _TELLING = words_of(
     "know remember forgot forget recall tell wonder sure wondering idea of about and or"
 )

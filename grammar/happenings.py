@@ -5,6 +5,8 @@ What happened is no thing that was seen, and the clock says all that counts; so 
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from grammar import timespan
 from grammar.closed import LEADING, is_open, words_of
 from grammar.sayings import QUESTION_STARTS, QUESTION_WORDS
@@ -33,7 +35,9 @@ def without_happenings(words: list[Word]) -> list[Word]:
             return [*words[:i], *words[end:]]  # at noon when i left
         told = next((time for time in times if verb < time.first < min(end, i + _LONGEST)), None)
         if told is not None and (i or _asks(texts[told.last :])):
-            return [*words[: i + (text in _BOUNDS)], *words[told.first :]]
+            half = _half_of_day(texts[verb : told.first], told)
+            said = [*words[told.first : told.last], *(replace(words[i], text=t) for t in half)]
+            return [*words[: i + (text in _BOUNDS)], *said, *words[told.last :]]
     return words
 
 
@@ -55,6 +59,21 @@ def _verb_of(texts: list[str], i: int) -> int:
         return 0
     verb = texts[i + 1 : i + 2]
     return i + 1 if verb and (is_open(verb[0]) or verb[0] in _CLOSED_VERBS) else 0
+
+
+def _half_of_day(happened: list[str], told: timespan.Found) -> list[str]:
+    """Return the am or pm that what happened says of a bare clock time: went to bed at nine."""
+    from grammar.timeforms import Clock
+
+    clock = told.said.pieces[0] if len(told.said.pieces) == 1 and not told.said.bounds else None
+    if not isinstance(clock, Clock) or clock.meridiem or clock.exact:
+        return []
+    halves = ((_RISING, "am", 4), (_RESTING, "pm", 6))
+    return [half for said, half, first in halves if said & {*happened} and first <= clock.hour < 12]
+
+
+_RISING = words_of("up woke awoke breakfast")
+_RESTING = words_of("bed asleep dinner supper")
 
 
 def _by_clock(time: timespan.Found) -> bool:
