@@ -52,7 +52,7 @@ def described(term: ObjectTerm, unjudged: tuple[str, ...] = (), *, noun: str | N
     if term.or_else:
         return _any_of(term, unjudged, noun)
     left_out = {word for phrase in unjudged for word in (phrase, *phrase.split())}
-    words = [word for word in term.attributes if word not in left_out]
+    words = [word for word in dict.fromkeys(term.attributes) if word not in left_out]
     for i in range(len(words) - 1, 0, -1):
         if is_colour(words[i - 1]) and is_colour(words[i]):
             words.insert(i, "and")
@@ -273,7 +273,8 @@ def where_words(keyframe: RankedKeyframe, query: FormalQuery) -> str:
     """
     parts = []
     own = plain_place(keyframe.place or "") == kind_of(keyframe)  # the desk is not at the desk
-    if keyframe.place and keyframe.place != query.place and not own:
+    named = keyframe.place == query.place and not query.or_places  # of several it is told which
+    if keyframe.place and not named and not own:
         parts.append(at_place(keyframe.place))
     if keyframe.near and keyframe.near != keyframe.place and not _is_named(keyframe.near, query):
         parts.append(f"next to the {keyframe.near}")

@@ -63,8 +63,12 @@ from assistant.wording import NOT_SURE, is_sure
 from d3a.answer import Answer, RankedKeyframe
 from d3a.answering.points import edge_of
 from d3a.colours import is_colour
+from d3a.model import Position
 from grammar import vocabulary
 from grammar.forms import ANYTHING, Ask, FormalQuery, ObjectTerm
+
+_SPOTS = 3
+"""So many other places are told one by one."""
 
 
 def sentence(answer: Answer, *, now: datetime) -> str:
@@ -186,11 +190,28 @@ def _where(answer: Answer, query: FormalQuery, now: datetime) -> str:
         known = best.place or best.near  # named by the question, and so not told again
         blank = "" if known else f", but {nowhere_words(best)}"
         told = f"I {last}{first}saw {words} {seen_when(best, now)}{blank}."
-    others = places_of(likely_of(answer)) - 1
-    if others and query.select == "all" and not since:
-        told += f" I also saw {'one' if others == 1 else 'such things'} in "
-        told += f"{counted(others, 'other place')}."
+    told += _elsewhere_too(answer, query) if query.select == "all" and not since else ""
     return f"{gone} {told}".strip()
+
+
+def _elsewhere_too(answer: Answer, query: FormalQuery) -> str:
+    """Return where else it was seen, or what may be it: each place, where they are few."""
+    best = answer.keyframes[0]
+    others = [k for k in likely_of(answer) if (k.object_id, k.position) != _place_of(best)]
+    number = places_of(others)
+    if not number:
+        return ""
+    spots = list(dict.fromkeys(where_words(keyframe, query) for keyframe in others))
+    one = "one" if number == 1 else "such things"
+    if all(keyframe.object_id == best.object_id for keyframe in others):
+        one = "them" if said_many(query, term_of(query)) else "it"
+    if "" in spots or where_words(best, query) in spots or len(spots) > _SPOTS:
+        return f" I also saw {one} in {counted(number, 'other place')}."
+    return f" I also saw {one} {'; '.join(spots)}."
+
+
+def _place_of(keyframe: RankedKeyframe) -> tuple[str, Position | None]:
+    return keyframe.object_id, keyframe.position
 
 
 def _where_each(answer: Answer, query: FormalQuery, now: datetime) -> str:
@@ -243,6 +264,8 @@ def _the_thing(answer: Answer, query: FormalQuery) -> str:
     words = words or definite(term_of(query), found_words(answer, query))
     was = (" that were" if said_many(query, term_of(query)) else " that was") * stood_then(query)
     condition = condition_words(answer, query)
+    if query.ask == "where" and query.or_places and query.relation is None:
+        condition = ""  # which of them it is, is told
     return words + (was if condition else "") + condition
 
 
