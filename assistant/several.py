@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from assistant.amounts import holds
 from assistant.english import listed
-from assistant.phrases import definite, indefinite, is_one, numbered, term_of
+from assistant.phrases import definite, indefinite, is_one, numbered, said_many, term_of
 from assistant.wording import is_sure
 from d3a.answer import Answer
 from grammar.forms import FormalQuery, ObjectTerm
@@ -111,4 +111,5 @@ def is_so(answer: Answer) -> bool | None:
 def _thing(query: FormalQuery, term: ObjectTerm) -> str:
     alone = replace(query, objects=(term,))
     words = numbered(alone, term)
-    return definite(term, words) if is_one(alone) else indefinite(term, words)
+    many = said_many(alone, term)
+    return definite(term, words) if is_one(alone) else indefinite(term, words, many=many)

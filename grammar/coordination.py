@@ -8,12 +8,16 @@ from grammar.closed import is_open
 from grammar.cursor import DETERMINERS, OWNERS, TIME_GAP
 from grammar.phrases import breaks, phrases
 from grammar.vocabulary import Lexicon
+from grammar.vocabulary.words import singular
 from grammar.words import Word
 
 _SIDES = ("left", "right")
 _JOINTS = ("and", "or")
 _JOINING = frozenset((*_JOINTS, "nor", "neither"))
 _STRANDED = ("in", "on", "at")
+_THE = ("the", "my", "our", "your", "these", "those")
+_ONE_LOOK = {"black", "white"}
+_WORN = "clothes"
 
 
 def spread(words: list[Word], lexicon: Lexicon) -> list[Word]:
@@ -24,7 +28,13 @@ def spread(words: list[Word], lexicon: Lexicon) -> list[Word]:
     words = _listed_looks(_denied_each(words), lexicon)
     for k in range(len(words) - 3, 0, -1):  # what is spread goes before it
         if words[k].text in _JOINTS:
-            words = _related(words, k) or _owned(words, k) or _looking(words, k, lexicon) or words
+            words = (
+                _related(words, k)
+                or _owned(words, k)
+                or _looking(words, k, lexicon)
+                or _looking_each(words, k, lexicon)
+                or words
+            )
     return words
 
 
@@ -104,6 +114,26 @@ def _looking(words: list[Word], k: int, lexicon: Lexicon) -> list[Word] | None:
     owned = start > 0 and first == k + 1 and _is_owner(words[start - 1])
     mine = words[start - 1 : start] if owned else []
     return [*words[:k], *words[noun:end], words[k], *mine, *words[k + 1 :]]
+
+
+def _looking_each(words: list[Word], k: int, lexicon: Lexicon) -> list[Word] | None:
+    """Spread the red and pink cups: a red cup and a pink one; a red and white cup is of both.
+
+    Black and white are most often said of one thing, and so are the looks of what is worn.
+    """
+    looks = lexicon.attributes.keys() | lexicon.shades
+    if words[k].text != "and" or words[k + 1].text not in looks:
+        return None
+    before = {words[k - 1].text, words[k + 1].text}
+    end = _open_end(words, k + 1)
+    noun = next((i for i in range(k + 1, end) if words[i].text not in looks), end)
+    start = next(i for i in range(k, -1, -1) if not i or words[i - 1].text not in looks)
+    many = noun < end and singular(words[end - 1].text) != words[end - 1].text
+    if start == k or not many or before == _ONE_LOOK or words[start - 1].text not in _THE:
+        return None
+    if _WORN in lexicon.wider(singular(words[end - 1].text)):
+        return None
+    return [*words[:k], *words[noun:end], *words[k:]]
 
 
 def _is_owner(word: Word) -> bool:

@@ -111,3 +111,20 @@ def test_an_owner_is_known_by_whatever_word_the_thing_was_taught_by(home: Home) 
     assert told(home, "Is the blue cup mine?") == (
         "Nobody told me that the blue cup is yours. I know of some that are Anna's."
     )
+
+
+def test_each_of_two_looks_is_judged_by_itself(home: Home) -> None:
+    home.thing("mug", "cup", paint="blue")
+    home.seen("mug", 2, 8, at=(6, 2, 1))
+    said = told(home, "Are the red and blue cups in the kitchen?")
+    assert said.startswith("No, only red cups. I last saw red cups in the kitchen")
+
+
+def test_the_other_places_of_a_thing_are_told(home: Home) -> None:
+    home.seen("cup", 100, 110, at=(6, 2, 1), place=1)
+    assert "there today at 12:10, 7 hours ago. I also saw it in the hall." in told(
+        home, "Where was the cup today?"
+    )
+    said = told(home, "Where is the cup, in the kitchen or in the hall?")
+    assert said.startswith("In the hall. I last saw the cup there today at 13:50")
+    assert told(home, "Is the red cup red?").startswith("Yes. I saw a red cup")

@@ -705,3 +705,19 @@ def test_a_look_is_not_told_but_looked_for(look: str) -> None:
 def test_what_was_not_so_is_read_as_said(text: str, ask: str) -> None:
     query = read(text)
     assert (query.ask, query.negated, query.relation) == (ask, True, None)
+
+
+@pytest.mark.parametrize(
+    ("text", "looks"),
+    [
+        ("where are the red and pink cups", [("red",), ("pink",)]),
+        ("are my red and blue cups in the kitchen", [("red",), ("blue",)]),
+        ("where is the red and pink cup", [("red", "pink")]),
+        ("did you see red and pink cups", [("red", "pink")]),
+        ("where are the black and white cups", [("black", "white")]),
+        ("where are the red and white socks", [("red", "white")]),
+        ("where are the red and black scissors", [("red", "black")]),
+    ],
+)
+def test_two_looks_of_the_things_are_of_each(text: str, looks: list[tuple[str, ...]]) -> None:
+    assert [term.attributes for term in read(text).objects] == looks
