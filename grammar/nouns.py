@@ -11,6 +11,7 @@ from grammar.closed import is_open
 from grammar.forms import ANYTHING, ObjectTerm
 from grammar.numbers import ORDINALS
 from grammar.vocabulary import Lexicon
+from grammar.vocabulary.hues import as_said
 from grammar.vocabulary.lexicon import THINGS
 from grammar.words import Word
 
@@ -48,6 +49,10 @@ class Attribute:
 
     said: str
     kind: str
+
+    def __post_init__(self) -> None:
+        """Say the name of a colour that a word carries."""
+        object.__setattr__(self, "said", as_said(self.said))
 
 
 @dataclass(frozen=True, slots=True)

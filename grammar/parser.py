@@ -1,6 +1,7 @@
 """The parser: a question in English to its formal query.
 
-Stages: words -> spelling -> plain speech -> spoken times out -> terminals -> grammar -> query.
+Stages: words -> names of colours -> spelling -> plain speech -> spoken times out -> terminals ->
+grammar -> query.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ from dataclasses import dataclass, replace
 from datetime import datetime
 from typing import TypeVar
 
-from grammar import asides, respelling, speech, spelling
+from grammar import asides, hues, respelling, speech, spelling
 from grammar.cutting import sentences
 from grammar.errors import Ambiguous, QuestionError
 from grammar.forms import Correction, FormalQuery
@@ -62,7 +63,7 @@ def read(
         raise ValueError("now has no zone; hand in an aware datetime")
     lex = lexicon(words)
     reading = Reading(text, now, lex)
-    found, corrections = spelling.corrected(capped(text), lex, words)
+    found, corrections = spelling.corrected(hues.with_hues(capped(text), lex), lex, words)
     try:
         return meaning(reading, _plain(found, lex)), corrections
     except Ambiguous:

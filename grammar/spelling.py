@@ -19,6 +19,7 @@ from grammar.closed import CLOSED, is_open, words_of
 from grammar.forms import Correction
 from grammar.nountags import PICTURES
 from grammar.vocabulary import Lexicon, StoreWords, files, inflection, lexicon
+from grammar.vocabulary.hues import carried_names
 from grammar.words import Word
 
 _ALIKE = [{"b", "p"}, {"d", "t"}, {"g", "k"}, {"f", "v"}, {"s", "z"}, {"c", "k"}, {"m", "n"}]
@@ -31,7 +32,8 @@ _MIN_LETTERS = 4
 def _meant(words: StoreWords) -> frozenset[str]:
     """Return the words that people ask by: what is not of them may be a slip of one."""
     lex = lexicon(words)
-    targets = _words_in((*lex.nouns, *lex.attributes, *lex.places, *lex.plurals))
+    looks = lex.attributes.keys() - carried_names()  # nobody says those
+    targets = _words_in((*lex.nouns, *looks, *lex.places, *lex.plurals))
     targets.update(lex.plurals.values())
     targets.update((*tw.WEEKDAYS, *tw.MONTHS, *tw.PARTS, "yesterday", "today", "tonight"))
     targets.update(("where", "what", "when", "which", "there", "between", "behind", "under"))

@@ -33,10 +33,14 @@ BASIC = (
 _SURVEY = "xkcd"
 """The list whose names are of people who were shown colours."""
 _NOT_COLOURS = frozenset(
-    {"adobe", "bland", "brick", "camo", "cement", "clay", "dark", "denim", "dirt", "dust"}
-    | {"leather", "linen", "moccasin", "pale", "steel", "stone", "straw", "velvet", "wheat"}
+    {"brick", "cement", "clay", "dark", "denim", "leather", "linen", "pale", "steel", "stone"}
+    | {"straw", "velvet"}
 )
-"""Listed names that say what a thing is made of, or how a colour is, when said of a thing."""
+"""Listed names that say what a thing is made of, or how a colour is, when said of a thing.
+
+"Leather-coloured" says that it is no leather.
+"""
+_COLOURED = ("coloured", "colored")
 _SPELLINGS = {
     "gray": "grey",
     "golden": "gold",
@@ -101,10 +105,21 @@ def lab(light: Floats) -> Floats:
 
 
 def words_of(colour: str) -> tuple[str, ...]:
-    """Return a colour's words in the lists' spelling: `light-Gray` is (light, grey)."""
-    words = colour.lower().replace("-", " ").replace("_", " ").split()
-    spelled = (_SPELLINGS.get(word, _of_reddish(word)) for word in words)
-    return tuple(word for word in spelled if word)
+    """Return a colour's words in the lists' spelling: `light-Gray` is (light, grey).
+
+    A listed name is as it stands ("pinkish brown", "blue/green"), one written as style sheets do
+    is its words (lightgray); of others "reddish" is red.
+    """
+    said = colour.lower().replace("gray", "grey")
+    for mark in "-_/":
+        said = said.replace(mark, " ")
+    words = tuple(word for word in said.split() if _SPELLINGS.get(word, word))
+    names, glued = _names()
+    if words in names:
+        return words
+    if words[:1] in glued and len(words) == 1:
+        return glued[words]
+    return tuple(_SPELLINGS.get(word, _of_reddish(word)) for word in words)
 
 
 def is_metal(colour: str) -> bool:
@@ -118,6 +133,13 @@ def _of_reddish(word: str) -> str:
         return word
     stem = word.removesuffix("ish").replace("gray", "grey")
     return next((term for term in BASIC if stem in (term, term[:-1], term + term[-1])), word)
+
+
+@lru_cache(maxsize=1)
+def _names() -> tuple[frozenset[tuple[str, ...]], dict[tuple[str, ...], tuple[str, ...]]]:
+    """Return the listed names, and those of several words by how they look written in one."""
+    names = frozenset(table().names)
+    return names, {("".join(name),): name for name in names if len(name) > 1}
 
 
 class Listed(NamedTuple):
@@ -162,7 +184,10 @@ def colours_of(colour: str) -> Floats | None:
     names of that term that are darker or lighter than most. Else a shade of what is left of it.
     """
     words = words_of(colour)
-    if not words or words[-1] in _NOT_COLOURS or all(word in SHADES for word in words):
+    if not words or all(word in SHADES for word in words):
+        return None
+    is_named = len(words) > 1 and words in _names()[0]  # fire brick
+    if words[-1] in _NOT_COLOURS and not is_named and not colour.lower().endswith(_COLOURED):
         return None
     named = listed_as(words)
     if len(named):

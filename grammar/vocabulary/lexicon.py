@@ -10,6 +10,7 @@ from functools import lru_cache
 from grammar.forms import ANYTHING, RelationKind
 from grammar.numbers import CARDINALS
 from grammar.vocabulary import files, inflection
+from grammar.vocabulary.hues import carried_names
 
 THINGS = frozenset(
     ("thing", "anything", "something", "everything", "stuff", "object", "item", "belonging")
@@ -216,7 +217,7 @@ def lexicon(words: StoreWords = StoreWords()) -> Lexicon:  # frozen and empty
         nouns=nouns,
         broader={c: tuple(nouns.get(w, w) for w in wide) for c, wide in broader.items()},
         plurals=plurals,
-        attributes=kinds,
+        attributes=kinds | dict.fromkeys(carried_names(), "colour"),
         shades=shades,
         patterns=patterns,
         parts=parts,

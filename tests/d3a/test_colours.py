@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from d3a.answering.attributes import LEAST_DOUBTFUL
 from d3a.colours import BASIC, Appearances, Palette, Verdict, colours_of, is_colour, learn, terms
 from d3a.colours.kinds import kinds_of
-from d3a.colours.names import lab, rest_of
+from d3a.colours.names import lab, linear, rest_of, table
 from d3a.colours.naming import naming
 from d3a.colours.pixels import AMONG_MANY, as_shares
 from tests.worlds.made import PAINTS, Rgb, painted
@@ -377,3 +377,32 @@ def test_a_name_of_its_own_is_among_a_basic_colour(colour: str, base: str) -> No
 
 def test_a_basic_term_is_among_none() -> None:
     assert all(rest_of(term) is None for term in BASIC)
+
+
+@pytest.mark.parametrize("said", ["{}", "{}-coloured"])
+def test_every_listed_name_is_a_colour_as_people_and_style_sheets_write_it(said: str) -> None:
+    made_of = {"brick", "cement", "clay", "dark", "denim", "leather", "linen", "pale", "steel"}
+    made_of |= {"stone", "straw", "velvet"}
+    names = {" ".join(name) for name in table().names}
+    glued = {name.replace(" ", "") for name in names}
+    spelled = names | glued | {name.replace("grey", "gray") for name in names | glued}
+    unknown = {name for name in spelled if not is_colour(said.format(name))}
+    assert unknown <= (made_of if said == "{}" else {"dark", "pale"})
+
+
+@pytest.mark.parametrize(
+    ("said", "listed"),
+    [
+        ("pinkish brown", (177, 114, 97)),
+        ("golden yellow", (254, 198, 21)),
+        ("blue/grey", (117, 141, 163)),
+        ("LightGoldenrodYellow", (250, 250, 210)),
+        ("burnt-sienna", (176, 78, 15)),
+    ],
+)
+def test_a_listed_name_is_the_colour_that_the_list_has(
+    said: str, listed: tuple[int, int, int]
+) -> None:
+    colours = colours_of(said)
+    assert colours is not None
+    assert np.abs(colours - linear(np.array(listed, float))).max(axis=1).min() < 1e-9
