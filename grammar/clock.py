@@ -163,7 +163,12 @@ def _row(sides: tuple[tf.Pieces, ...], around: tf.Pieces, setting: Setting) -> T
 
 def _between(first: tf.Pieces, second: tf.Pieces, around: tf.Pieces, setting: Setting) -> TimeSlice:
     """Resolve both sides of an interval, each lending the other what it left out."""
+    if Moment.of(first).now:  # between now and noon
+        first, second = second, first
     context = Moment.of(around)
+    one = _night_between(Moment.of(first), Moment.of(second), context, setting)
+    if one is not None:
+        return one
     a, b = _dates_from_numbers(Moment.of(first), Moment.of(second))
     a, b, context = _days_of_month(a, b, context)
     if a.clock and b.clock and not b.dated and not a.dated:
@@ -202,6 +207,18 @@ def _between(first: tf.Pieces, second: tf.Pieces, around: tf.Pieces, setting: Se
     if end < start:
         raise TimeError("it ends before it starts")
     return TimeSlice(start, max(end, start_end if a.clock is None and end == start else end))
+
+
+def _night_between(a: Moment, b: Moment, context: Moment, setting: Setting) -> TimeSlice | None:
+    """Return the night of two days in a row: the night from saturday to sunday; else None."""
+    named = a.part_name() or (context.part_name() if not context.dated else None)
+    if named != "night" or a.clock or b.clock or b.part_name() or not (a.dated and b.dated):
+        return None
+    day = replace(a, part=None)
+    end = day.span(setting)[1]
+    if b.span(setting, after=day.span(setting)[0])[0] != end:
+        return None
+    return TimeSlice(*replace(day, part=tf.Part("night")).span(setting))
 
 
 def _before_noon(side: Moment) -> Moment | None:

@@ -78,6 +78,8 @@ def _parted(words: list[Word]) -> list[list[Word]]:
         words = [*words[:-1], replace(words[-1], text="it")]
     words = _hailed(words)
     texts = [w.text for w in words]
+    if texts[-1] in _NOW and (told := _told_when(words, texts)):
+        return told
     pause = _pause(texts)
     if pause:
         return [words[:pause], *_parted(words[pause + 1 :])]
@@ -97,6 +99,17 @@ def _parted(words: list[Word]) -> list[list[Word]]:
         if (asked or pronoun or starts in _ASKED) and texts[i - 1] not in _TELLING:
             return [words[:i], words[i:]]
     return [words]
+
+
+def _told_when(words: list[Word], texts: list[str]) -> list[list[Word]]:
+    """Part what is told with its time first: in the morning i kept it here where is it now."""
+    i = next((i for i in range(3, len(texts) - 2) if _asks_at(texts, i)), 0)
+    times = timespan.find(texts[:i])
+    led = bool(times) and not times[0].first and texts[times[0].last : i]
+    return [words[:i], words[i:]] if led and led[0] in _STATING else []
+
+
+_NOW = ("now", "it", "they", "them")
 
 
 def _hailed(words: list[Word]) -> list[Word]:

@@ -41,7 +41,13 @@ _PART_OF_DAY: dict[str, tuple[str, int]] = {
     "this afternoon": ("afternoon", 0),
     "this evening": ("evening", 0),
 }
-_WITHIN = {"tonight": ("evening", "night"), "night": ("tonight",), "morning": ("small hours",)}
+_WITHIN = {
+    "tonight": ("evening", "night", "bedtime", "dinner", "dusk"),
+    "evening": ("bedtime", "dinner", "dusk"),
+    "night": ("tonight", "bedtime"),
+    "morning": ("small hours", "breakfast", "dawn", "brunch"),
+    "afternoon": ("lunch", "tea"),
+}
 """Parts of the day that lie within another one."""
 _SECONDS = {"second": 1, "minute": 60, "hour": 3600, "day": 86400, "week": 604800,
             "fortnight": 1209600, "weekend": 604800}  # fmt: skip

@@ -60,6 +60,7 @@ def _approximate(found: list[TimeToken | None], last: int) -> None:
         found.insert(k, TimeToken("_AROUND", 0, first.first, first.first))
 
 
+_SHORT = ("second", "minute", "hour")
 _JOINING = ("_OR", "_ISH", "_BEFORE_LAST", "_BUT_ONE")
 _DAYS = words_of("WEEKDAY DAYS ORD DATE DAY_AFTER MONTH MONTH_OF HOLIDAY")
 _CLOCK_TIMES = CLOCK_ENDS | words_of("CMIN _CPAST _CTO _HALF_OF")
@@ -116,6 +117,10 @@ class _Reader(UnplacedReader):
     # -- past and last before a length of time ------------------------------------------------
 
     def _past_or_last(self) -> TimeToken | None:
+        if self.word == "this":  # this past hour, this hour
+            k = 1 + (self._at(1) in ("past", "last"))
+            short = tw.UNITS.get(self._at(k)) in _SHORT and not is_open(self._at(k + 1))
+            return self._make("_LASTN1", 0, k) if short else None
         if self.word not in ("past", "last", "previous", "preceding", "recent"):
             return None
         following = self._at(1)
@@ -126,7 +131,7 @@ class _Reader(UnplacedReader):
         if following in tw.UNITS and following != "night":
             unit = tw.UNITS[following]
             article = self._at(-1) in ("the", "this") and self._at(-2) != "of"
-            if unit in ("second", "minute", "hour") or self.word == "past" or article:
+            if unit in _SHORT or self.word == "past" or article:
                 return self._make("_LASTN1" if following != "weekend" else "_LAST", 0, 1)
             return None
         if self._length_follows(1):
@@ -176,6 +181,8 @@ class _Reader(UnplacedReader):
                 continue
             if kind == "_ONWARD" and not self._opens_only(length):
                 continue
+            if kind == "_DAY_EARLIER" and self._listed("DAYS") and not self._dated_at(length):
+                return self._make("DAYS", 2, length)  # yesterday or the day before
             if kind in ("_DAY_EARLIER", "_DAY_LATER", "SPAN_BEFORE", "WHOLE") and (
                 self._is("NTH", "_LAST", "COUNT") or not self._dated_at(length)
             ):

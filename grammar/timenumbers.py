@@ -268,7 +268,8 @@ class NumberReader(JointReader):
         following = self._at(count)
         if following == "more":
             following = self._at(count + 1)
-        if value == 1 and following == "day" and self._at(count + 1) in ("last", "this", "in"):
+        some_day = following == "day" or following in tw.PARTS
+        if value == 1 and some_day and self._at(count + 1) in ("last", "this", "in"):
             return self._make("LINK", "one day", count + 1)
         either = self._either(value, count)
         if either is not None:

@@ -60,6 +60,14 @@ class TimeForms:
         """start: duration _LATER_THAN piece+."""
         return SpokenTime(pieces, (), length, 1)
 
+    def before_weekday(self, length: Length, day: Token) -> SpokenTime:
+        """start: duration _LAST WEEKDAY. British: a week last monday is a week before it."""
+        return self.ahead(length, self.last_weekday(day))
+
+    def before_day(self, length: Length, day: Token) -> SpokenTime:
+        """start: duration DAYS."""
+        return self.ahead(length, self.days(day))
+
     def day_ahead(self, *pieces: Piece) -> SpokenTime:
         """start: _DAY_EARLIER piece+."""
         return SpokenTime(pieces, (), Length(((1, "day"),)), -1)
