@@ -130,8 +130,8 @@ class Assigned(NamedTuple):
 
     taken: for each thing of the frame the column of `things`, -1 for a new one. at: the row of its
     place, see `Gated.at`. place: its evidence, (2, n, m), see `Matcher._place_ratios`. score: all
-    evidence (n, m). misplaced: what new ones are else, by the frame's
-    thing. strange: how many of the new ones look like something known.
+    evidence (n, m). misplaced: what new ones are else, by the frame's thing. strange: how many of
+    the new ones look like something known.
     """
 
     things: list[Known]

@@ -65,10 +65,11 @@ class WrongRanges:
     ) -> tuple[int, dict[int, Misplaced]]:
         """Return how many of a frame's things look like known ones, and what they are, by index.
 
-        things: of their names; scoring: what name and look say of these.
+        things: of their names; scoring: what name and look say of these. A name alone is no look,
+        however rare: a few things may lie as others of their names do elsewhere.
         """
         told = scoring.total(np.zeros((2, len(frame.observed.things), len(things))))
-        strange = int((told.max(axis=1) >= ALIKE).sum())
+        strange = int(((told >= ALIKE) & (np.asarray(scoring.same) > 0)).any(axis=1).sum())
         pairs = np.argwhere(told > 0).tolist()
         if not pairs:
             return strange, {}

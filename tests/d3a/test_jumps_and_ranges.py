@@ -115,6 +115,32 @@ def test_twins_in_a_room_that_is_new_are_no_jump_of_the_robot() -> None:
         assert min(math.dist(s.position, thing.position) for s in stays if s.position) < 0.1
 
 
+def blind(shown: Frame) -> Frame:
+    """The frame with detections that have no look."""
+    seen = [replace(each, embedding=None) for each in shown.detections or ()]
+    return replace(shown, detections=tuple(seen))
+
+
+def test_namesakes_without_a_look_are_no_jump_of_the_robot() -> None:
+    """Things that lie as two of their rare names do elsewhere are other ones."""
+    frames = []
+    for n in range(24):  # three other kinds wherever it comes by
+        y = -5.0 * (n // 2)
+        along = [Thing(f"kind {n // 2} {k}", (2.0, y - 0.5 + 0.5 * k, 0.5), k) for k in range(3)]
+        frames.append(frame(n, along, (0.0, y, 0.0)))
+    twins = [
+        replace(each, position=(each.position[0], each.position[1] + 6.5, 0.0)) for each in DESK
+    ]
+    desk = [replace(each, position=(each.position[0], each.position[1] + 5, 0.0)) for each in DESK]
+    frames += [frame(n, desk, (0.0, 5.0, 0.0)) for n in range(24, 27)]
+    frames += [frame(n, twins[:2], (0.0, 6.5, 0.0)) for n in range(27, 29)]
+    frames += [frame(n, desk, (0.0, 5.0, 0.0)) for n in range(29, 32)]
+    stays = filled([blind(each) for each in frames]).stays()
+    assert sorted(stay.seen for stay in stays) == [2] * 38 + [6] * 3
+    for thing in (*desk, *twins[:2]):
+        assert min(math.dist(s.position, thing.position) for s in stays if s.position) < 0.1
+
+
 @pytest.mark.parametrize("nearer", [0.4, 2.0])
 def test_a_thing_measured_at_a_wrong_range_is_the_thing_and_stays_where_it_is(
     nearer: float,
