@@ -22,6 +22,7 @@ from assistant.pointing import (
     AskedOf,
     Chosen,
     NotThis,
+    Others,
     Pointing,
     find_row,
     is_of,
@@ -44,6 +45,7 @@ from d3a.answering.facts import Facts
 from d3a.store.base import Store, StoreError
 from grammar.errors import QuestionError
 from grammar.forms import FormalQuery
+from grammar.fragments import is_list
 from grammar.notation import looks_formal, read, write
 
 if TYPE_CHECKING:
@@ -164,7 +166,7 @@ class Conversation:
         heard = replace(spoken, corrections=())  # told once, not with each answer again
         same = is_about_the_same(heard, before.last, text)
         refused = before.refused if same else ()
-        meant = before.meant if same else None
+        meant = before.meant if same and heard.ask != "count" else None
         if row is not None and is_of_the_listed(heard, before.last, _seen(row, before.last), text):
             meant = row.object_id
         answer = self._as_meant(answer, refused, meant, before.last)
@@ -246,6 +248,7 @@ class Conversation:
 
     def _point(self, text: str, pointing: Pointing) -> Answer:
         rows = shown(self._said.answer)
+        ask_: Literal["when", "where"] = "where"
         match pointing:
             case NotThis():
                 return self._refuse(text, self._row(pointing.row))
@@ -253,9 +256,13 @@ class Conversation:
                 row = self._row(pointing.row)
                 if pointing.step:
                     row = other_thing(rows, self.pointer.row, pointing.step)
-                ask_: Literal["when", "where"] = "where"
             case AskedOf():
                 row, ask_ = self._row(pointing.row), pointing.ask
+            case Others():
+                row = None if self._is_list() else other_thing(rows, self.pointer.row, 1)
+        if row is None and rows and isinstance(pointing, Others):
+            every = "All that I saw stands in the list." if self._is_list() else "I saw no other."
+            return self._beside_rows(text, every, "found" if self._is_list() else "not_found")
         if row is None:
             return self._no_row(text)
         if pointing != AskedOf(ask_, None):
@@ -264,6 +271,9 @@ class Conversation:
         shown_for = self._said.answer.query if self._said.answer is not None else None
         sentence = row_words(row, shown_for, ask=ask_, now=self._now())
         return self._beside_rows(text, sentence, "found")
+
+    def _is_list(self) -> bool:
+        return self._said.last is not None and is_list(self._said.last)
 
     def _row(self, number: int | None) -> RankedKeyframe | None:
         if number is None:

@@ -45,6 +45,18 @@ _CHOSEN = re.compile(
     rf"(?P<row>{ROW}|\d{{1,2}}|the {ORDINAL} (?:place|thing|picture|row)|the (?P<step>other|next"
     r"|previous)(?: one)?|next|previous)"
 )
+_OTHERS = re.compile(
+    r"(?:and |or |what about |how about |and what about )*"
+    r"(?:(?:is|are|was|were) there |did you see |have you seen |do you see )?"
+    r"(?:the others|(?:any |some )?others?|(?:any |some )other ones?|another one|any more"
+    r"(?: of (?:them|those))?|what else|(?:any|some)thing else|else|more)"
+)
+_AGAIN = re.compile(
+    r"(?:and )?(?:are you (?:really |quite |so )?(?:sure|certain)(?: about (?:that|it))?|really"
+    r"|how (?:sure|certain) are you(?: about (?:that|it))?|how do you know(?: that)?"
+    r"|show me (?:the|a|its|that) (?:picture|photo|image|frame)(?: of (?:it|them|that))?)"
+)
+"""What asks for the row that is told once more, with how sure it is."""
 _ASKED = re.compile(
     r"(?:and )?(?P<ask>when|where|at what time|what time|how long ago|in which room|what day)"
     rf" (?:was|is|were|are|did you (?:last )?see|have you seen) (?P<row>{_THAT}|it|they|{ROW})"
@@ -75,7 +87,12 @@ class AskedOf:
     row: Row
 
 
-Pointing = NotThis | Chosen | AskedOf
+@dataclass(frozen=True, slots=True)
+class Others:
+    """Another thing of the list is asked for: any others, what else."""
+
+
+Pointing = NotThis | Chosen | AskedOf | Others
 
 
 def read_pointing(text: str) -> Pointing | None:
@@ -88,6 +105,10 @@ def read_pointing(text: str) -> Pointing | None:
         if step is not None:
             return Chosen(None, -1 if step == "previous" else 1)
         return Chosen(row_of(found["row"]))
+    if _OTHERS.fullmatch(said):
+        return Others()
+    if _AGAIN.fullmatch(said):
+        return Chosen(None)
     if found := _ASKED.fullmatch(said):
         at_place = found["ask"] in ("where", "in which room")
         ask: Literal["when", "where"] = "where" if at_place else "when"

@@ -110,6 +110,7 @@ def _followed(
 ) -> Fragment | FormalQuery:
     """Return what the sentences mean after `previous`."""
     text, it = reading.text, _spoken_of(previous) or told
+    sentences = [_of_them(words) for words in sentences]
     if len(sentences) == 1:
         spoken = " ".join(w.text for w in _led(sentences[0]))
         if spoken in _ASKED_ANEW:
@@ -138,6 +139,15 @@ def _followed(
             form="Q3" if whole.form == "Q1" and previous.time else whole.form,
         )
     return whole
+
+
+def _of_them(words: list[Word]) -> list[Word]:
+    """Say of what a number is asked where that is left out: how many are in the kitchen."""
+    texts = [w.text for w in words[:3]]
+    if texts[:2] != ["how", "many"] or texts[2:] not in (["are"], ["were"], ["did"]):
+        return words
+    of_them = (replace(words[1], text=text) for text in ("of", "them"))
+    return [*words[:2], *of_them, *words[2:]]
 
 
 def _whole(
@@ -206,8 +216,10 @@ def is_list(query: FormalQuery) -> bool:
 
 
 def _led(words: list[Word]) -> list[Word]:
-    """Take `and`, `what about` off the start."""
+    """Take `and`, `what about` off the start, and what is denied there: not the cup, the bowl."""
     texts = [w.text for w in words]
+    if texts[0] == "not" and "," in texts[2:-1]:
+        return words[texts.index(",") + 1 :]
     for lead in _LEADS:
         parts = lead.split()
         if texts[: len(parts)] == parts and len(texts) > len(parts):

@@ -63,7 +63,8 @@ def _owned(words: tuple[Any, ...]) -> Things:
     whose = next(w.value for w in words if isinstance(w, Token) and isinstance(w.value, Whose))
     if things.group is None:
         raise MeaningError("it names no thing", state=False)
-    if any(term.owner not in (None, whose.owner) for term in things.group.terms):
+    has = any(isinstance(w, Token) and w.type == "HAVE" for w in words)
+    if has and any(term.owner not in (None, whose.owner) for term in things.group.terms):
         raise MeaningError("it asks who has what is another's")  # does anna have my keys
     terms = tuple(
         replace(term, not_owner=whose.owner) if whose.isnt else replace(term, owner=whose.owner)
