@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Self
 
@@ -18,6 +18,7 @@ from d3a.answering.run import Run, milliseconds
 from d3a.answering.steps import KeepMissing, KeepMoved, KeepOften, KeepUsual
 from d3a.store.base import Sighting, SightingKey, Spans, StayKey, StayRecord
 
+Ints = NDArray[np.int64]
 LEAST_STAY_MS = 1_000
 """A look in passing still says that the thing was there: it counts as this long."""
 MOST_MOVES = 500
@@ -239,10 +240,9 @@ def usual(run: Run, step: KeepUsual) -> list[Moment]:
     spans = held_by(when, spans)
     stay = columns.stay_of(spans)
     newest = columns.lasts(stay, [spans.start_ms])
-    share = _shares(found, spans, stay, when)
     if there is not None:
-        asked = [key in there for key in spans.chosen(newest).stays()]
-        newest, share = newest[asked], share[asked]
+        newest = newest[[key in there for key in spans.chosen(newest).stays()]]
+    share = _shares(found, spans, stay, when, newest, READ_A_KEYFRAME * run.limit)[stay[newest]]
     if many:
         run.counted = len(np.unique(spans.of[newest]))
         newest, share = read_best(run, step.var, spans, newest, share)
@@ -298,47 +298,65 @@ def _anywhere(run: Run, var: str) -> tuple[Spans, set[StayKey] | None]:
 
 
 def _shares(
-    found: Found, spans: Spans, stay: NDArray[np.int64], when: Slice
+    found: Found,
+    spans: Spans,
+    stay: Ints,
+    when: Slice,
+    asked: NDArray[np.intp],
+    most: int,
 ) -> NDArray[np.float64]:
     """Return the share of its object's time that each stay has (stays,), in their order.
 
     How long a robot looked at a thing says little of how long it lay there. So each moment from
     the first sighting of a thing to the last counts for the sighting that is nearest to it in
     time: of the thing, or of what may be it, which takes its share with it.
+    asked: rows of the stays that are told. Where there are more objects than `most`, those that
+    were seen there most often are told, and the share of others is left at 0.
     """
-    of_stay = np.zeros(int(stay.max(initial=-1)) + 1, dtype=np.int64)
-    of_stay[stay] = spans.of
-    lengths, total = np.zeros(len(of_stay)), np.zeros(len(spans.ids))
+    number = int(stay.max(initial=-1)) + 1
+    often = np.bincount(stay, minlength=number)
+    worth = np.array([worth_of(found.candidates[name]) for name in spans.ids])
+    best = np.zeros(len(spans.ids))
+    np.maximum.at(best, spans.of[asked], (often[stay] * worth[spans.of])[asked])
+    looked_at = np.argsort(-best, kind="stable")[:most]
+    share = np.zeros(number)
+    for one, rows in _that_may_be(found, spans, looked_at.tolist()):
+        mine = spans.of[rows] == one
+        among = _stood_ms(spans.start_ms[rows], spans.end_ms[rows], when)
+        part = np.bincount(stay[rows[mine]], among[mine], minlength=number)
+        share += part / among.sum()
+    return share
+
+
+def _that_may_be(
+    found: Found, spans: Spans, wanted: Sequence[int]
+) -> Iterator[tuple[int, NDArray[np.intp]]]:
+    """Yield of each wanted object, by number, the rows of it and of what may be it, by start."""
     kinds: dict[str, list[int]] = {}
     for number, name in enumerate(spans.ids):
         kinds.setdefault(found.candidates[name].record.category, []).append(number)
     for numbers in kinds.values():
+        chosen = sorted({*numbers} & {*wanted})
+        if not chosen:
+            continue
         place = np.full(len(spans.ids), -1, dtype=np.int64)
         place[numbers] = np.arange(len(numbers))
         rows = np.flatnonzero(place[spans.of] >= 0)
         rows = rows[np.argsort(spans.start_ms[rows], kind="stable")]
         of = place[spans.of[rows]]
-        may_be = ~columns.met(of, spans.start_ms[rows], spans.end_ms[rows], len(numbers))
-        for own, number in enumerate(numbers):
-            mine = may_be[own][of] | (of == own)
-            length = _stood_ms(spans.start_ms[rows[mine]], spans.end_ms[rows[mine]], when)
-            its = of[mine] == own
-            lengths += np.bincount(stay[rows[mine]][its], length[its], minlength=len(lengths))
-            total[number] = length.sum()
-    return np.asarray(lengths / total[of_stay])
+        met = columns.met(of, spans.start_ms[rows], spans.end_ms[rows], len(numbers))
+        for number in chosen:
+            own = int(place[number])
+            if (of == own).any():
+                yield number, rows[~met[own][of] | (of == own)]
 
 
-def _stood_ms(
-    start_ms: NDArray[np.int64], end_ms: NDArray[np.int64], when: Slice
-) -> NDArray[np.float64]:
+def _stood_ms(start_ms: Ints, end_ms: Ints, when: Slice) -> NDArray[np.float64]:
     """Return how much of the time in a slice is nearest to each sighting (n,), by start."""
-    if not len(start_ms):
-        return np.zeros(0)
     reached = np.maximum.accumulate(np.maximum(end_ms, start_ms + LEAST_STAY_MS))
-    half = np.maximum(start_ms[1:] - reached[:-1], 0) / 2
-    edges = np.concatenate([start_ms[:1], reached[:-1] + half, reached[-1:]])
-    begin, end = np.maximum(edges[:-1], start_ms - np.append(0, half)), edges[1:]
+    before = np.append(start_ms[:1], reached[:-1])
+    begin = (np.maximum(start_ms, before) + before) / 2
+    end = np.append(begin[1:], reached[-1:])
     low = -np.inf if when.start_ms is None else when.start_ms
     high = np.inf if when.end_ms is None else when.end_ms
-    inside = np.clip(end, low, high) - np.clip(begin, low, high)
-    return np.asarray(np.maximum(inside, 1.0))
+    return np.asarray(np.maximum(np.clip(end, low, high) - np.clip(begin, low, high), 1.0))

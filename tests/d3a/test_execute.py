@@ -491,6 +491,19 @@ def test_usual_place_by_share_of_time() -> None:
     assert shares == [pytest.approx(45 / 70, abs=1e-4), pytest.approx(25 / 70, abs=1e-4)]
 
 
+def test_of_many_that_may_be_one_those_seen_most_often_have_their_share() -> None:
+    home = Home()
+    for number, name in enumerate("abc"):
+        home.thing(name, "key")
+        for again in range(number + 1):
+            home.seen(name, 100 * number + 20 * again, at=(3 * number, 0, 0), times=1)
+    asked = query(term("key"), ask="where", select="usual")
+    shares = {k.object_id: k.why["share"] for k in run(home, asked).keyframes}
+    assert sum(shares.values()) == pytest.approx(1.0, abs=1e-3)
+    (best,) = run(home, asked, limit=1).keyframes  # of two of the three the share is looked at
+    assert (best.object_id, best.why["share"]) == ("b", shares["b"])
+
+
 def test_votes_for_another_category_still_find_the_object() -> None:
     home = Home()
     home.thing("mug", "cup", votes=(("cup", 3.0), ("bowl", 1.0)))
