@@ -229,9 +229,9 @@ def _size(
 ) -> tuple[NDArray[np.float64], NDArray[np.bool_]] | None:
     """Return how likely each is noticeably big for its kind (n,).
 
-    The usual is the median of what was seen more than once; of two things it is between them.
-    None for other words, too few sizes, and where all are about as large, by what was measured:
-    then none is big and none small, and what was not measured says nothing.
+    The usual is the median of the others that were seen more than once: of two, one is big beside
+    the other. None for other words, too few sizes, and where all are about as large, by what was
+    measured: then none is big and none small, and what was not measured says nothing.
     """
     if word not in _SIZES:
         return None
@@ -244,13 +244,23 @@ def _size(
     if int(telling.sum()) < LEAST_SIZED:
         return None
     logs = np.log(np.maximum(sizes, 1e-3))
-    away = sign * (logs - np.median(logs[telling]))
+    usual = np.full(len(logs), np.median(logs[telling]))
+    usual[telling] = medians_of_others(logs[telling])
+    away = sign * (logs - usual)
     if np.abs(away[telling]).max() < NOTICED:
         return None
     told = normal_cdf((away[known] - NOTICED) / SIZE_SPREAD)
     probability = np.full(len(found), told.mean())
     probability[known] = told
     return probability, probability >= LIKELIER
+
+
+def medians_of_others(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return for each of two or more values (n,) the median of the others."""
+    rank = np.argsort(np.argsort(values, kind="stable"), kind="stable")
+    ordered, left = np.sort(values), len(values) - 1
+    middle = np.array([(left - 1) // 2, left // 2])[:, None]  # where they are in what is left
+    return np.asarray(ordered[middle + (rank <= middle)].mean(axis=0))
 
 
 def _measure(extent: tuple[float, float], measure: str) -> float:

@@ -7,9 +7,18 @@ from datetime import datetime
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from d3a.answer import Answer
-from d3a.answering.attributes import LEAST_DOUBTFUL, LEAST_ONCE, Judged, Looks, judged
+from d3a.answering.attributes import (
+    LEAST_DOUBTFUL,
+    LEAST_ONCE,
+    Judged,
+    Looks,
+    judged,
+    medians_of_others,
+)
 from d3a.answering.conclude import within
 from d3a.answering.match import Candidate
 from d3a.colours import LEAST_ODDS, Palette
@@ -351,6 +360,23 @@ def test_of_two_lamps_the_one_is_small_and_the_other_tall() -> None:
         told = ids(run(home, query(term("lamp", word))))
         assert "floor" not in told
         assert "bedside" in told
+
+
+def test_of_two_mugs_one_is_small_beside_the_other() -> None:
+    home = Home()
+    home.thing("mug", "cup", extent_m=(0.12, 0.12))
+    home.thing("espresso", "cup", extent_m=(0.09, 0.1))  # a quarter smaller; of the mean an eighth
+    for number, name in enumerate(("mug", "espresso")):
+        home.seen(name, 0, at=(number, 0, 0))
+    assert ids(run(home, query(term("cup", "small")))) == ["espresso"]
+    assert ids(run(home, query(term("cup", "big")))) == ["mug"]
+
+
+@given(st.lists(st.integers(-5, 5), min_size=2, max_size=9))
+def test_the_usual_of_a_thing_is_the_median_of_the_others(sizes: list[int]) -> None:
+    values = np.array(sizes, dtype=np.float64)
+    wanted = [np.median(np.delete(values, i)) for i in range(len(values))]
+    assert medians_of_others(values).tolist() == wanted
 
 
 def test_of_what_may_have_the_looks_the_likeliest_is_told() -> None:
