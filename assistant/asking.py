@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import json
-import re
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from datetime import datetime
-from itertools import pairwise
 from time import perf_counter
 from typing import Literal, cast, get_args
 from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
@@ -15,10 +13,10 @@ from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 from assistant.all_of_them import some_of_them_words, wherever_they_are
 from assistant.beside import where_it_is
 from assistant.either import one_or_another, told_of_either
-from assistant.english import ORDINALS
 from assistant.forgotten_words import but_forgotten
 from assistant.lexicon import VocabularyLexicon
 from assistant.own_words import as_heard
+from assistant.passed_over import of_its_clause, of_its_number
 from assistant.polarity import expecting
 from assistant.reply import sentence
 from assistant.rooms import EVERYTHING, everything_words, in_each_room, told_by_room
@@ -35,14 +33,13 @@ from d3a.model import BadInput, Json
 from d3a.parameters import Parameters
 from d3a.plan import Plan, Precision
 from d3a.store.base import FORGOTTEN, NativeQuery, Store, StoreError
-from grammar import StoreWords, parse, vocabulary
+from grammar import StoreWords, parse
 from grammar.errors import NotUnderstood, OutOfScope, QuestionError
 from grammar.forms import FormalQuery, FormError
 from grammar.notation import looks_formal, read
 
 TOLD_FROM = 50
 """The sentence is told from so many keyframes, however few of them are shown."""
-_NUMBERED = re.compile(rf"{'|'.join(ORDINALS[1:])}|(?!1st)\d{{1,2}}(?:st|nd|rd|th)")
 PRECISIONS: tuple[Precision, ...] = get_args(Precision)
 
 
@@ -307,26 +304,11 @@ def _said(answer: Answer, query: FormalQuery, facts: Facts, now: datetime) -> An
         answer = replace(answer, query=as_heard(answer.query, facts))
     told = everything_words(answer, query) or whose_words(answer, query, facts)
     told = told or sentence(answer, now=now)
-    parts = (told, of_the_spot(query, facts), _of_its_number(answer, query))
-    said = " ".join(part for part in parts if part)
+    more = of_the_spot(query, facts), of_its_number(answer, query), of_its_clause(answer, query)
+    said = " ".join(part for part in (told, *more) if part)
     if facts.meta(FORGOTTEN):
         said = but_forgotten(said, answer)
     return told_as_place(replace(answer, query=query, answer=said), query, facts)
-
-
-def _of_its_number(answer: Answer, query: FormalQuery) -> str:
-    """Return that "the third cup" was read as the cup: nobody numbers what lies about."""
-    if not answer.keyframes:
-        return ""
-    words = [word.strip(".,?!").lower() for word in query.text.split()]
-    told = [{*term.word.split(), *term.attributes} for term in query.objects]
-    for number, word in pairwise(words):
-        if not _NUMBERED.fullmatch(number):
-            continue
-        its = next((each for each in told if vocabulary.singular(word) in each), None)
-        if its is not None and number not in its:
-            return f"Which one is the {number} I cannot tell."
-    return ""
 
 
 def explain(

@@ -128,3 +128,14 @@ def test_the_other_places_of_a_thing_are_told(home: Home) -> None:
     said = told(home, "Where is the cup, in the kitchen or in the hall?")
     assert said.startswith("In the hall. I last saw the cup there today at 13:50")
     assert told(home, "Is the red cup red?").startswith("Yes. I saw a red cup")
+
+
+def test_what_no_memory_can_use_of_a_thing_is_said(home: Home) -> None:
+    said = told(home, "Where is the book that I bought today?")
+    assert said.endswith(
+        "Which one is meant by “I bought” I cannot tell. I took the time as when I saw it."
+    )
+    said = told(home, "Where is the book I was reading?")
+    assert said.endswith("Which one is meant by “I was reading” I cannot tell.")
+    for question in ("Where is the cup I bought?", "Where is the book that I left?"):
+        assert "I cannot tell" not in told(home, question), question
