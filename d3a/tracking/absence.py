@@ -28,7 +28,7 @@ from d3a.tracking.memory import Memory
 from d3a.tracking.sides import (
     are_familiar,
     chance_from,
-    left,
+    left_before,
     looks_near,
     remember_look,
     remember_side,
@@ -220,8 +220,7 @@ class Absence:
 
     def _gone_odds(self, thing: Known, place: Place) -> float:
         """Return the log-odds that a thing has left a place, by all looks in vain since."""
-        known_ms, since_ms = self._end_ms - thing.first_ms, self._end_ms - place.last_ms
-        return place.evidence + left(len(thing.places) - 1, known_ms, since_ms)
+        return place.evidence + left_before(thing, place, self._end_ms)
 
     def _expect(self, place: Place, there: float) -> None:
         """Note how likely a place's thing is found there by the next frames."""

@@ -11,22 +11,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
-from d3a.ledger import Ledger
 from d3a.parameters import Parameters
-from d3a.sightings import Became, entry_name
-from d3a.store.base import StayKey
 from d3a.tracking.absence import GONE_MOST, SURE_SEEN, Absence
 from d3a.tracking.arrivals import CAME_MOST
 from d3a.tracking.kinds import Kind, Kinds
-from d3a.tracking.known import Known, Place
+from d3a.tracking.known import Known
 from d3a.tracking.likelihood import SAME, LookModel
 from d3a.tracking.look_space import LookSpace, products
 from d3a.tracking.memory import Memory
+from d3a.tracking.sides import left_before
 
 Floats = NDArray[np.float64]
 BINS = 40
@@ -223,7 +221,24 @@ class Moves:
     ) -> float:
         """Return how likely a pair is a move, and no rival is."""
         own = self._odds(asked, *pair, came)
-        return own / (1.0 + own + sum(self._odds(asked, *each, others_came) for each in rivals))
+        against = sum(
+            self._odds(asked, *each, others_came) * self._may_be_gone(asked, pair, each)
+            for each in rivals
+        )
+        return own / (1.0 + own + against)
+
+    def _may_be_gone(self, asked: Asked, pair: Pair, rival: Pair) -> float:
+        """Return how much more a rival counts, as its thing may have left where nobody looked.
+
+        Looks in vain that are more than it takes to be sure that a thing left say nothing of which
+        of those that may have left came: what counts are chances, which end at 1.
+        """
+        (new, k), (_, j) = pair, rival
+        if j == k:  # the same thing, come as another fresh one
+            return 1.0
+        own, other = (left_before(*asked.kind.lasts[each], new.first_ms) for each in (k, j))
+        sure = max(0.0, min(asked.kind.lasts[k][1].evidence, GONE_MOST) + own)
+        return math.exp(sure + other - own)
 
     def _odds(self, asked: Asked, new: Known, k: int, came: Came) -> float:
         """Return the odds that a fresh thing is that of `lasts[k]`, moved; it rises with `came`."""
@@ -344,53 +359,3 @@ def _bins(likeness: Floats) -> NDArray[np.intp]:
     """Return the bins of likenesses, alike shaped."""
     bins = ((likeness + 1.0) * (BINS / 2)).astype(np.intp)
     return np.asarray(np.minimum(np.maximum(bins, 0), BINS - 1))
-
-
-def apply_link(link: Link, memory: Memory, ledger: Ledger, parameters: Parameters) -> Became:
-    """Make `new` a further place of `old`, in the memory and in what is written already."""
-    old, new = link.old, link.new
-    left = old.latest
-    place = new.places[0]
-    _leave(left, new.first_ms)
-    was: StayKey = (new.object_id, place.number)
-    place.number = max(each.number for each in old.places) + 1
-    place.moved_from = (left.number, link.score)
-    becomes: StayKey = (old.object_id, place.number)
-    sightings = ledger.sightings([new.object_id])
-    encounters = ledger.encounters(new.object_id)
-    _merge(old, new, memory, parameters)
-    ledger.remove_objects({new.object_id})
-    for sighting in sightings:
-        ledger.put_sighting(replace(sighting, object_id=becomes[0], place=becomes[1]))
-    for encounter in encounters:
-        if (renamed := encounter.renamed({was: becomes})) is not None:
-            ledger.put_encounter(renamed)
-    return Became(entry_name(was), entry_name(becomes), "moved")
-
-
-def _leave(left: Place, elsewhere_ms: int) -> None:
-    """Note that a place was left: its thing is elsewhere, and the place was looked at in vain.
-
-    The looks alone need not be enough for that, where a thing is hard to see.
-    """
-    if left.last_absent_ms is None:
-        left.last_absent_ms = max([elsewhere_ms, *(looked_ms for _, looked_ms in left.missed_from)])
-
-
-def _merge(old: Known, new: Known, memory: Memory, parameters: Parameters) -> None:
-    place = new.places.pop()
-    for category, weight in new.votes.items():
-        old.vote(category, weight)
-    memory.touch(old)
-    old.weight += new.weight
-    old.seen += new.seen
-    old.last_ms = max(old.last_ms, new.last_ms)
-    old.dirty = True
-    look = memory.looks.of(new)
-    if look is not None:
-        memory.looks.blend(old, look, new.look_weight, parameters.looks_remembered)
-    old.met |= new.met
-    old.places.append(place)
-    if place.row >= 0:
-        memory.positions.give(place, old)
-    memory.remove(new)

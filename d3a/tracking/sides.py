@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from d3a.model import Position
-from d3a.tracking.known import Place
+from d3a.tracking.known import Known, Place
 
 Floats = NDArray[np.float64]
 AGAIN_M, AGAIN_MS, AGAIN_SHARE = 0.8, 300_000, 0.3
@@ -122,6 +122,11 @@ def left(moves: int, known_ms: int, since_ms: int) -> float:
     hours, since = known_ms / HOUR_MS, max(since_ms, 1) / HOUR_MS
     rate = (moves + LEFT_PRIOR) / (hours + LEFT_PRIOR * LEFT_HOURS)
     return min(math.log(rate * since), 0.0)
+
+
+def left_before(thing: Known, place: Place, time_ms: int) -> float:
+    """Return the log-odds, 0 at most, that a thing left a place since it was last seen there."""
+    return left(len(thing.places) - 1, time_ms - thing.first_ms, time_ms - place.last_ms)
 
 
 def chance(place: Place, usual: float, vain: float = 0.0) -> float:

@@ -29,10 +29,11 @@ from d3a.tracking.encounters import Encounters
 from d3a.tracking.frame_offset import FrameOffset
 from d3a.tracking.known import Known, Place
 from d3a.tracking.likelihood import CategoryModel
+from d3a.tracking.linking import apply_link
 from d3a.tracking.matching import Matcher
 from d3a.tracking.memory import Memory
 from d3a.tracking.merging import Evidence, merge, never_together
-from d3a.tracking.moves import Moves, apply_link
+from d3a.tracking.moves import Moves
 from d3a.tracking.observed import Observed
 from d3a.tracking.positions import Row
 from d3a.tracking.recall import FIRST_NUMBER, Recall, is_histogram
