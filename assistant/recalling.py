@@ -46,7 +46,8 @@ def _lesson(store: Store, done: Correction, now: datetime) -> str:
         case "merge":
             return f"{_is(store, said['kept'], now)} the same as another that I saw"
         case "split":
-            return f"{_is(store, said['new'], now)} not the same as what I saw elsewhere"
+            other = "elsewhere" if said.get("from_ms") is None else "there before"
+            return f"{_is(store, said['new'], now)} not the same as what I saw {other}"
         case "look":
             return f"{_is(store, said['new'], now)} what you drew a box around"
         case _:

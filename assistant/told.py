@@ -115,6 +115,8 @@ def record_of(correction: Correction, zone: tzinfo) -> Json:
         record |= {"object_id": said["kept"], "was": said["gone"]}
     elif correction.kind == "split":
         record |= {"object_id": said["object"], "place": said["place"], "new_id": said["new"]}
+        from_ms = said.get("from_ms")
+        record["since"] = None if from_ms is None else when(from_ms, zone)
     elif correction.kind == "teach":
         names = [{"word": word, "owner": owner} for word, owner in said["after"]]
         record |= {"object_id": said["ids"][0], "names": names}

@@ -19,6 +19,7 @@ from __future__ import annotations
 import difflib
 from collections.abc import Sequence
 from dataclasses import replace as with_changes
+from datetime import datetime
 
 from d3a.answering.match import squash
 from d3a.constraints import (
@@ -82,22 +83,34 @@ def merge(
     return commit(store, make)
 
 
-def split(store: Store, object_id: str, place: int, *, at_ms: int | None = None) -> Correction:
+def split(
+    store: Store,
+    object_id: str,
+    place: int,
+    *,
+    since: datetime | None = None,
+    at_ms: int | None = None,
+) -> Correction:
     """Say that what was seen at one place of an object is another thing, with an id of its own.
 
-    The new id is `arguments["new"]` of the result. A later ingest does not make them one again.
+    since: only what was seen there from then on. The new id is
+    `arguments["new"]` of the result. A later ingest does not make them one again.
     """
 
     def make(number: int) -> Made:
         portion = Portion.read(store, [object_id])
         _known(store, portion, object_id)
         new_id = f"s{number}"
-        said = f"{object_id} at place {place} is another thing, {new_id}"
-        arguments = {"object": object_id, "place": place, "new": new_id, "ids": [object_id]}
+        then = "" if since is None else f" since {since.isoformat(' ', timespec='minutes')}"
+        said = f"{object_id} at place {place} is another thing{then}, {new_id}"
+        arguments: Json = {"object": object_id, "place": place, "new": new_id, "ids": [object_id]}
+        from_ms = None if since is None else round(since.timestamp() * 1000)
+        if from_ms is not None:
+            arguments["from_ms"] = from_ms
         correction = Correction(number, "split", said, at_ms, arguments)
         looks = {}
         if (object_id, place) in portion.stays:
-            looks = measured_looks(store, portion, object_id, place, new_id)
+            looks = measured_looks(store, portion, (object_id, place), new_id, from_ms)
         made = do_split(portion, correction, looks)
         assert made.after is not None
         return made, difference(portion, made.after)

@@ -11,7 +11,7 @@ from d3a.correcting.portion import Portion, difference
 from d3a.correcting.rooms import region_of
 from d3a.correcting.same_thing import Origin, merged, shared_frame, votes_of
 from d3a.correcting.taken_back import unmerged, unsplit
-from d3a.correcting.two_things import Look, split
+from d3a.correcting.two_things import Look, parted, split
 from d3a.model import BadInput, Json
 from d3a.parameters import PROFILES, Parameters
 from d3a.store.base import Store, TaughtName
@@ -64,9 +64,11 @@ def do_merge(
 def do_split(portion: Portion, correction: Correction, looks: Mapping[str, Look]) -> Correction:
     """Return the correction carried out on a portion: a place given to an object of its own.
 
-    Raises UnknownThing for an id or a place that is not there, BadInput where it is the only one.
+    Raises UnknownThing for an id or a place that is not there, BadInput where it is the only one,
+    or was seen only before or after the moment from which on it is another thing.
     """
     object_id, place = correction.arguments["object"], correction.arguments["place"]
+    from_ms = correction.arguments.get("from_ms")  # older stores have none
     _settled(portion, object_id)
     places = [stay.place for stay in portion.of_object(object_id)]
     if place not in places:
@@ -74,9 +76,16 @@ def do_split(portion: Portion, correction: Correction, looks: Mapping[str, Look]
         raise UnknownThing(
             f"{object_id} has no place {place}; it has {', '.join(map(str, places))}", named[:3]
         )
-    if len(places) == 1:
-        raise BadInput(f"{object_id} was seen at one place only: there is nothing to split")
-    after = split(portion, object_id, place, correction.arguments["new"], looks)
+    key = object_id, place
+    if from_ms is not None:
+        for when, seen in zip(("before", "since"), parted(portion, key, from_ms), strict=True):
+            if not seen:
+                raise BadInput(f"no picture shows {object_id} at place {place} {when} that time")
+    elif len(places) == 1:
+        raise BadInput(
+            f"{object_id} was seen at one place only: there is nothing to split but by time"
+        )
+    after = split(portion, key, correction.arguments["new"], looks, from_ms)
     return replace(correction, before=portion, after=after)
 
 
@@ -90,7 +99,7 @@ def _settled(portion: Portion, object_id: str) -> None:
         )
 
 
-def undone(correction: Correction, now: Portion) -> Portion:
+def undone(correction: Correction, now: Portion, parameters: Parameters) -> Portion:
     """Return the portion without a merge or a split; exactly that of before where nothing came."""
     before, after = correction.before, correction.after
     if before is None or after is None:
@@ -98,7 +107,7 @@ def undone(correction: Correction, now: Portion) -> Portion:
     said = correction.arguments
     if correction.kind == "merge":
         return unmerged(before, after, now, origin_of(said))
-    return unsplit(before, after, now, said["object"], said["new"])
+    return unsplit(before, after, now, (said["object"], said["place"]), said["new"], parameters)
 
 
 def origin_of(arguments: Json) -> Origin:
@@ -133,7 +142,7 @@ def taking_back(store: Store, correction: Correction) -> tuple[dict[str, Any], d
     if correction.kind == "map":
         return {}, {"map": said["before"], said["after"]: None}
     now = Portion.read(store, correction.ids())
-    back = undone(correction, now)
+    back = undone(correction, now, parameters_of(store))
     if correction.lost:
         back = back.with_images(set(store.keyframe_keys()))
     return difference(now, back), {}

@@ -169,7 +169,7 @@ def _again(
         return portion, correction
     part = portion.only(correction.ids())
     if is_undone:
-        after = undone(correction, part)
+        after = undone(correction, part, numbers)
         return portion.without(correction.ids()).plus(after), correction
     if correction.kind == "merge":
         made = do_merge(part, correction, numbers, force=True)

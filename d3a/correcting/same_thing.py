@@ -49,7 +49,7 @@ def merged(
         sources = [portion.stays[key] for key in sorted(origin) if origin[key] == target]
         stay = _moved_within(sources[0], target, origin)
         for other in sources[1:]:
-            stay = _one_stay(stay, _moved_within(other, target, origin))
+            stay = one_stay(stay, _moved_within(other, target, origin))
         seen = [s for source in sources for s in portion.at(source.key)]
         if len(sources) > 1:
             seen = joined_sightings(seen, target, parameters)
@@ -101,7 +101,8 @@ def _moved_within(stay: StayRecord, target: StayKey, origin: Origin) -> StayReco
     return replace(stay, object_id=target[0], place=target[1], moved_from=came)
 
 
-def _one_stay(a: StayRecord, b: StayRecord) -> StayRecord:
+def one_stay(a: StayRecord, b: StayRecord) -> StayRecord:
+    """Return two stays at one place as one, with the key of the first."""
     first, last = min(a.first_ms, b.first_ms), max(a.last_ms, b.last_ms)
     absent = max((a.last_absent_ms, b.last_absent_ms), key=lambda ms: -1 if ms is None else ms)
     return replace(

@@ -9,9 +9,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
+from functools import reduce
 
-from d3a.correcting.portion import Portion, relabelled, rename_encounters
-from d3a.correcting.same_thing import Origin, heaviest, mean_look, ranked, votes_of
+from d3a.correcting.portion import Portion, joined_sightings, relabelled, rename_encounters
+from d3a.correcting.same_thing import Origin, heaviest, mean_look, one_stay, ranked, votes_of
+from d3a.parameters import Parameters
 from d3a.store.base import Encounter, ObjectRecord, Sighting, StayKey, StayRecord
 
 
@@ -224,30 +226,52 @@ def _grown(part: Sighting, was: Sighting, today: Sighting) -> Sighting:
     )
 
 
-def unsplit(before: Portion, after: Portion, now: Portion, kept: str, parted: str) -> Portion:
+def unsplit(
+    before: Portion,
+    after: Portion,
+    now: Portion,
+    key: StayKey,
+    parted: str,
+    parameters: Parameters,
+) -> Portion:
     """Return the one object that was split, with what was seen of both parts since.
 
-    kept: the object; parted: the id that its other part was given.
+    key: the object, and its place of which all or what was seen from a time on became another one;
+    parted: the id that this was given.
     """
+    kept, place_of_both = key
     if now.same_as(after):
         return before
     if kept not in now.objects or parted not in now.objects:
         return now
-    original = next(iter(before.stays.keys() - after.stays.keys()), None)
+    is_shared = key in after.stays  # only what was seen there from a time on was parted
     taken = {stay.place for stay in now.of_object(kept)}
     becomes: dict[StayKey, StayKey] = {}
     for stay in now.of_object(parted):
-        place = original[1] if original is not None and stay.place == 0 else -1
-        if place < 0 or place in taken:
+        place = place_of_both if stay.place == 0 else -1
+        if place < 0 or (place in taken and not is_shared):
             place = max(taken, default=-1) + 1
         taken.add(place)
         becomes[stay.key] = (kept, place)
     stays = [_back(stay, becomes.get(stay.key, stay.key), becomes) for stay in now.stays.values()]
     stays = [_came_again(stay, before, after) for stay in stays]
     sightings = [relabelled(s, becomes.get(s.stay, s.stay)) for s in now.sightings.values()]
+    if is_shared:
+        stays, sightings = _at_one_place(stays, sightings, key, parameters)
     encounters = rename_encounters(now.encounters.values(), becomes)
     one = _rejoined(before.objects[kept], after, now.objects[kept], now.objects[parted])
     return Portion.of([one], stays, sightings, encounters.values())
+
+
+def _at_one_place(
+    stays: list[StayRecord], sightings: list[Sighting], key: StayKey, parameters: Parameters
+) -> tuple[list[StayRecord], list[Sighting]]:
+    """Return the records with the stays of one key joined, and their sightings, if there are."""
+    one = sorted((stay for stay in stays if stay.key == key), key=lambda stay: stay.first_ms)
+    there = joined_sightings([s for s in sightings if s.stay == key], key, parameters)
+    stays = [stay for stay in stays if stay.key != key]
+    sightings = [seen for seen in sightings if seen.stay != key]
+    return [*stays, *([reduce(one_stay, one)] if one else [])], [*sightings, *there]
 
 
 def _back(stay: StayRecord, target: StayKey, becomes: dict[StayKey, StayKey]) -> StayRecord:

@@ -1,20 +1,22 @@
 """A person says that one place of an object is another object's: on a portion of the store.
 
+Of all of time, or from a moment on: what is put where a thing like it stood keeps that one's id.
 What the place has of the object's weight and votes is told by its own sightings; what each of the
 two looks like is measured anew on the keyframes, where the store holds pictures of both.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from d3a.correcting.cutting import Slice, cut_sighting, lessened_stay, share
 from d3a.correcting.portion import Portion, relabelled, rename_encounters
 from d3a.correcting.same_thing import heaviest, mean_look, ranked, votes_of
-from d3a.store.base import ObjectRecord, Sighting, StayKey, StayRecord, Store
+from d3a.store.base import Encounter, ObjectRecord, Sighting, StayKey, StayRecord, Store
 
 Look = NDArray[np.float32]
 PICTURES_LOOKED_AT = 12
@@ -22,27 +24,95 @@ PICTURES_LOOKED_AT = 12
 
 
 def split(
-    portion: Portion, object_id: str, place: int, new_id: str, looks: Mapping[str, Look]
+    portion: Portion, key: StayKey, new_id: str, looks: Mapping[str, Look], from_ms: int | None
 ) -> Portion:
     """Give one place of an object to a new object, as its place 0.
 
-    looks: embeddings measured for either id; an id without one keeps the look of both.
+    from_ms: only what was seen there from then on; None: all. looks: embeddings measured for either
+    id; an id without one keeps the look of both.
     """
+    (object_id, place), target = key, (new_id, 0)
     old = portion.objects[object_id]
-    key, target = (object_id, place), (new_id, 0)
-    parted = portion.stays[key]
-    votes = _votes_at(portion, key, parted, old)
-    left = {c: max(w - votes.get(c, 0.0), 0.0) for c, w in votes_of(old).items()}
+    early, late = parted(portion, key, from_ms)
+    left, moved = _stays(portion.stays[key], target, early, late, from_ms)
+    votes = _votes(late, moved, old)
+    kept = {c: max(w - votes.get(c, 0.0), 0.0) for c, w in votes_of(old).items()}
     stays = [_without_move(stay, place) for stay in portion.stays.values() if stay.key != key]
-    moved = replace(parted, object_id=new_id, place=0, moved_from=None, tentative=False)
-    sightings = [
-        relabelled(s, target if s.stay == key else s.stay) for s in portion.sightings.values()
-    ]
+    stays += left
+    others = [seen for seen in portion.sightings.values() if seen.stay != key]
+    sightings = [*others, *early, *(relabelled(seen, target) for seen in late)]
     rest = [stay for stay in stays if stay.object_id == object_id]
-    one = _object(old, object_id, left, max(old.weight - parted.weight, 0.0), rest, looks)
-    two = _object(replace(old, names=()), new_id, votes, parted.weight, [moved], looks)
-    encounters = rename_encounters(portion.encounters.values(), {key: target})
-    return Portion.of([one, two], [*stays, moved], sightings, encounters.values())
+    one = _object(old, object_id, kept, max(old.weight - moved.weight, 0.0), rest, looks)
+    two = _object(replace(old, names=()), new_id, votes, moved.weight, [moved], looks)
+    before, since = _encounters(portion, key, from_ms)
+    encounters = [*before, *rename_encounters(since, {key: target}).values()]
+    return Portion.of([one, two], [*stays, moved], sightings, encounters)
+
+
+def parted(
+    portion: Portion, key: StayKey, from_ms: int | None
+) -> tuple[list[Sighting], list[Sighting]]:
+    """Return a stay's sightings of before a moment, and those from then on; None: all are.
+
+    One that goes on over it is the part with its keyframe: no picture says what the other shows.
+    """
+    seen = portion.at(key)
+    if from_ms is None:
+        return [], seen
+    before, since = Slice(end_ms=from_ms), Slice(start_ms=from_ms)
+    early, late = ([cut_sighting(each, gone) for each in seen] for gone in (since, before))
+    return [s for s in early if s is not None], [s for s in late if s is not None]
+
+
+def _stays(
+    stay: StayRecord,
+    target: StayKey,
+    early: Sequence[Sighting],
+    late: Sequence[Sighting],
+    from_ms: int | None,
+) -> tuple[list[StayRecord], StayRecord]:
+    """Return what is left of a stay, nothing where all of it goes, and the new object's."""
+    left: list[StayRecord] = []
+    moved = stay
+    if from_ms is not None:
+        was = lessened_stay(stay, early, Slice(start_ms=from_ms), ())
+        # another thing stood there from then on: this one did not
+        left = [replace(was, last_absent_ms=late[0].start_ms, tentative=False)]
+        moved = lessened_stay(stay, late, Slice(end_ms=from_ms), ())
+    object_id, place = target
+    gone = replace(moved, object_id=object_id, place=place, moved_from=None, tentative=False)
+    return left, gone
+
+
+def _encounters(
+    portion: Portion, key: StayKey, from_ms: int | None
+) -> tuple[list[Encounter], list[Encounter]]:
+    """Return the encounters of before a moment, or of other stays, and a stay's from then on.
+
+    One that goes on over it is the part with its picture, where a sighting tells when that was
+    taken: nobody knows else which of the two it shows.
+    """
+    taken = {seen.frame: _keyframe_ms(seen) for seen in portion.at(key)}
+    before: list[Encounter] = []
+    since: list[Encounter] = []
+    for each in portion.encounters.values():
+        ends = (each.object_a, each.place_a), (each.object_b, each.place_b)
+        if key not in ends or (from_ms is not None and each.end_ms < from_ms):
+            before.append(each)
+        elif from_ms is None or each.start_ms >= from_ms:
+            since.append(each)
+        elif each.frame in taken:
+            whole = each.start_ms, each.end_ms
+            is_late = taken[each.frame] >= from_ms
+            part = (from_ms, each.end_ms) if is_late else (each.start_ms, from_ms - 1)
+            seen = share(each.seen, part, whole)
+            cut = replace(each, start_ms=part[0], end_ms=part[1], seen=seen)
+            (since if is_late else before).append(cut)
+    return before, since
+
+
+def _keyframe_ms(seen: Sighting) -> int:
+    return seen.start_ms if seen.keyframe_ms is None else seen.keyframe_ms
 
 
 def _without_move(stay: StayRecord, place: int) -> StayRecord:
@@ -50,12 +120,12 @@ def _without_move(stay: StayRecord, place: int) -> StayRecord:
     return replace(stay, moved_from=None) if gone else stay
 
 
-def _votes_at(
-    portion: Portion, key: StayKey, stay: StayRecord, record: ObjectRecord
+def _votes(
+    sightings: Iterable[Sighting], stay: StayRecord, record: ObjectRecord
 ) -> dict[str, float]:
-    """Return the stay's weight by what its sightings were called; no more than there is."""
+    """Return a stay's weight by what its sightings were called; no more than there is."""
     seen: dict[str, float] = {}
-    for sighting in portion.at(key):
+    for sighting in sightings:
         name = sighting.category or record.category
         seen[name] = seen.get(name, 0.0) + sighting.seen
     total = sum(seen.values())
@@ -87,22 +157,21 @@ def _object(
 
 
 def measured_looks(
-    store: Store, portion: Portion, object_id: str, place: int, new_id: str
+    store: Store, portion: Portion, key: StayKey, new_id: str, from_ms: int | None
 ) -> dict[str, Look]:
-    """Return what the place and the rest look like on their keyframes, where both have some.
+    """Return what `split` gives the new object and the rest look like on their keyframes.
 
-    {} where the object's looks are no histograms, or no picture tells them apart.
+    {} where the object's looks are no histograms, or no picture tells the two apart.
     """
     from d3a.images import HISTOGRAM_MODEL  # OpenCV costs 0.15 s, which only a split need pay
 
-    if portion.objects[object_id].embedding_model != HISTOGRAM_MODEL:
+    if portion.objects[key[0]].embedding_model != HISTOGRAM_MODEL:
         return {}
-    parts: dict[str, list[Sighting]] = {object_id: [], new_id: []}
-    for sighting in portion.sightings.values():
-        parts[new_id if sighting.stay == (object_id, place) else object_id].append(sighting)
-    looks = {name: _look(store, seen) for name, seen in parts.items()}
+    early, late = parted(portion, key, from_ms)
+    rest = [seen for seen in portion.sightings.values() if seen.stay != key]
+    looks = {key[0]: _look(store, [*early, *rest]), new_id: _look(store, late)}
     known = {name: look for name, look in looks.items() if look is not None}
-    return known if len(known) == len(parts) else {}
+    return known if len(known) == len(looks) else {}
 
 
 def _look(store: Store, seen: list[Sighting]) -> Look | None:

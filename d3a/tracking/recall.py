@@ -327,8 +327,8 @@ class Recall:
             self._memory.looks.put(thing, look, record.weight)
         return thing
 
-    @staticmethod
-    def _place(stay: StayRecord, interval: Interval | None) -> Place:
+    def _place(self, stay: StayRecord, interval: Interval | None) -> Place:
+        is_left = stay.last_absent_ms is not None  # the odds of that, which nobody wrote, at least
         return Place(
             number=stay.place,
             first_ms=stay.first_ms,
@@ -337,6 +337,7 @@ class Recall:
             seen=stay.seen,
             moved_from=stay.moved_from,
             last_absent_ms=stay.last_absent_ms,
+            there=-self._parameters.absent_odds if is_left else 0.0,
             open=interval,
         )
 

@@ -58,6 +58,7 @@ WRITTEN = (
     ("teach none-1 Excalibur --json", 1),
     ("merge keys-1 couch-1 --json", 0),
     ("split keys-1 1 --json", 0),
+    ("split keys-1 0 --from 2020-02-25T09:30 --json", 2),
     ("undo --list --json", 0),
     ("undo --json", 0),
     ("place add den --around 1,1 --json", 0),

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 from collections.abc import Callable
+from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
@@ -18,7 +20,7 @@ from assistant.exits import ExitCode
 from assistant.told import told_name
 from d3a import teaching
 from d3a.store import open_store
-from d3a.store.base import Store
+from d3a.store.base import Batch, Store
 from tests.worlds.small_home import NOW, fill
 
 Run = Callable[..., Result]
@@ -98,6 +100,28 @@ def test_each_command_says_what_it_did_and_undo_takes_all_of_it_back(
     assert run("undo", "--list", status=ExitCode.NOTHING).stdout == ""
 
 
+def test_a_place_is_another_thing_from_a_time_on(run: Run, uri: str) -> None:
+    hours_ms = 3 * 3_600_000
+    with contextlib.closing(open_store(uri)) as store:
+        (stay,) = store.stays(object_ids=["cup-1"])
+        (seen,) = store.sightings(object_ids=["cup-1"])
+        again = seen.start_ms + hours_ms
+        later = replace(seen, start_ms=again, end_ms=again, frame="later")
+        grown = replace(stay, last_ms=again, seen=stay.seen + later.seen)
+        store.apply(Batch(stays=[grown], sightings=[later]))
+    before = dumped(uri)
+    split = record(run("split", "cup-1", "3", "--from", "noon today", "--json"))
+    assert (split["new_id"], split["since"]) == ("s1", "2026-03-01T12:00:00-05:00")
+    assert split["said"] == "cup-1 at place 3 is another thing since 2026-03-01 12:00-05:00, s1"
+    with contextlib.closing(open_store(uri)) as store:
+        spans = {s.key: (s.first_ms, s.last_ms, s.last_absent_ms) for s in store.stays()}
+        assert store.check() == []
+    assert spans["cup-1", 3] == (seen.start_ms, seen.end_ms, again)
+    assert spans["s1", 0] == (again, again, None)
+    run("undo")
+    assert dumped(uri) == before
+
+
 @pytest.mark.parametrize(
     ("args", "status", "said"),
     [
@@ -105,6 +129,8 @@ def test_each_command_says_what_it_did_and_undo_takes_all_of_it_back(
         (("merge", "cup", "keys-1"), ExitCode.NOTHING, "The nearest are cup-1"),
         (("split", "keys-1", "9"), ExitCode.NOTHING, "it has 0, 1, 2"),
         (("split", "cup-1", "3"), ExitCode.USAGE, "one place only"),
+        (("split", "cup-1", "3", "--from", "noon"), ExitCode.USAGE, "no picture shows cup-1"),
+        (("split", "cup-1", "3", "--from", "once"), ExitCode.USAGE, "is not a time"),
         (("merge", "bowl-1", "cup-1"), ExitCode.USAGE, "frame 000003 shows both"),
         (("teach", "nobody", "Bob"), ExitCode.NOTHING, "no object 'nobody'"),
         (("teach", "cup-1", "mug", "--remove"), ExitCode.NOTHING, "it has no name"),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from datetime import UTC, datetime
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ import pytest
 from d3a import teaching
 from d3a.constraints import Constraints, History
 from d3a.ingest import ingest
-from d3a.model import Detection, Frame, Json, Pose
+from d3a.model import BadInput, Detection, Frame, Json, Pose
 from d3a.parameters import PROFILES, Parameters
 from d3a.readers.base import RecordingFacts, Regions
 from d3a.store.base import Store
@@ -140,6 +141,55 @@ def test_what_was_split_is_not_made_one_again_by_the_paper() -> None:
     assert [r.object_id for r in store.objects()] == [whole]
     assert sum(s.seen for s in store.stays()) == at_far[0][1] + at_left[0][1]
     assert store.check() == []
+
+
+def swapped() -> tuple[OracleStore, Parameters, list[Frame], datetime]:
+    """Two cups that change places in a pause; their looks say nothing to the association."""
+    things = [
+        Thing("cup", *each)
+        for each in ((LEFT, 1, 0, 45), (RIGHT, 2, 0, 45), (RIGHT, 1, 45, 90), (LEFT, 2, 45, 90))
+    ]
+    blind = numbers("default", look_most=0.0, look_least=0.0, max_interval_s=300.0)
+    frames = world(*things)
+    store = OracleStore()
+    put(store, frames[:70], blind)
+    return store, blind, frames, datetime.fromtimestamp(frames[45].time_ms / 1000, UTC)
+
+
+def test_a_person_tells_that_two_things_changed_places() -> None:
+    """Each place is the other one's from then on; later views go to who is there by now."""
+    store, blind, frames, since = swapped()
+    (a, _), (b, _) = *seen_at(store, *LEFT[:2]), *seen_at(store, *RIGHT[:2])
+    at_left = teaching.split(store, a, 0, since=since).arguments["new"]
+    at_right = teaching.split(store, b, 0, since=since).arguments["new"]
+    assert store.check() == []
+    first, later = store.stays(object_ids=[a, at_left])
+    assert first.last_ms < frames[45].time_ms <= later.first_ms == first.last_absent_ms
+    assert first.position == later.position
+    teaching.merge(store, a, at_right)
+    teaching.merge(store, b, at_left)
+    before = {stay.key: stay.seen for stay in store.stays()}
+    put(store, frames, blind)
+    assert store.check() == []
+    assert {r.object_id for r in store.objects()} == {a, b}
+    grown = {s.key for s in store.stays() if s.seen > before[s.key]}
+    assert grown == {(a, 1), (b, 1)}
+    (now_left,) = (s for s in store.stays() if s.key == (b, 1))
+    assert now_left.position == pytest.approx(LEFT, abs=0.2)
+    while teaching.history(store):
+        teaching.undo(store)
+        assert store.check() == []
+    assert {r.object_id for r in store.objects()} == {a, b}
+    assert {stay.key for stay in store.stays()} == {(a, 0), (b, 0)}
+
+
+def test_what_no_picture_parts_is_not_split_by_time() -> None:
+    store, _, frames, _ = swapped()
+    (a, seen), *_ = seen_at(store, *LEFT[:2])
+    for at, when in ((frames[0].time_ms, "before"), (frames[-1].time_ms + 1, "since")):
+        with pytest.raises(BadInput, match=f"no picture shows {a} at place 0 {when} that time"):
+            teaching.split(store, a, 0, since=datetime.fromtimestamp(at / 1000, UTC))
+    assert seen_at(store, *LEFT[:2]) == [(a, seen)]
 
 
 def moving() -> list[Frame]:

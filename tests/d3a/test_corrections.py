@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from datetime import UTC, datetime
 from functools import partial
 from typing import Any
 
@@ -81,6 +82,11 @@ def correct(store: Store, kind: int, a: int, b: int) -> bool:
             teaching.remove_place(store, store.regions()[0].name)
         elif kind == 6:
             teaching.put_map(store, {"drawn": a}, "a map")
+        elif kind == 7 and stays:
+            stay = stays[a % len(stays)]
+            at_ms = stay.first_ms + (stay.last_ms - stay.first_ms) * b // 9
+            since = datetime.fromtimestamp(at_ms / 1000, UTC)
+            teaching.split(store, *stay.key, since=since)
         else:
             return False
     except BadInput:
@@ -89,7 +95,7 @@ def correct(store: Store, kind: int, a: int, b: int) -> bool:
 
 
 drawn_words = st.lists(
-    st.tuples(st.integers(0, 6), st.integers(0, 9), st.integers(0, 9)), min_size=1, max_size=8
+    st.tuples(st.integers(0, 7), st.integers(0, 9), st.integers(0, 9)), min_size=1, max_size=8
 )
 
 
@@ -146,7 +152,7 @@ class Speaking(ListReader):
 
 
 drawn_times = st.lists(
-    st.tuples(st.integers(0, 59), st.sampled_from([0, 0, 1, 1, 2, 9]), st.integers(0, 9),
+    st.tuples(st.integers(0, 59), st.sampled_from([0, 0, 1, 1, 2, 7, 7, 9]), st.integers(0, 9),
               st.integers(0, 9)),
     min_size=1, max_size=5, unique_by=lambda each: each[0],
 )  # fmt: skip
