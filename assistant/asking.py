@@ -15,6 +15,7 @@ from assistant.beside import where_it_is
 from assistant.either import one_or_another, told_of_either
 from assistant.forgotten_words import but_forgotten
 from assistant.lexicon import VocabularyLexicon
+from assistant.numbers_together import so_many_and_more, told_of_so_many
 from assistant.own_words import as_heard
 from assistant.passed_over import of_its_clause, of_its_number
 from assistant.polarity import expecting
@@ -241,6 +242,9 @@ def _told(
         return replace(_told(store, plain, facts, now, limit, rung), query=query)
     if things := one_by_one(query):
         return told_of_each(query, [_told(store, one, facts, now, limit, rung) for one in things])
+    if bounds := so_many_and_more(query):
+        many, more = (_told(store, one, facts, now, limit, rung) for one in bounds)
+        return told_of_so_many(query, many, more)
     answer = _answered(store, query, facts, now, limit, rung)
     if answer.status == "found" and is_no_more(answer, query):
         answer = gone_by_now(answer)

@@ -221,8 +221,8 @@ SAID = {
         "I did not see a bowl not on the dining table. I last saw one today at 12:30, 6 hours "
         "ago, in the kitchen."
     ),
-    "Did you see a blurple bowl?": (
-        "I cannot tell what is “blurple” here. I saw a bowl today at 12:30, 6 hours ago, in the "
+    "Did you see a glimmery bowl?": (
+        "I cannot tell what is “glimmery” here. I saw a bowl today at 12:30, 6 hours ago, in the "
         "kitchen, next to the dining table. When I looked there again today at 13:40, it was "
         "gone. This is a guess: seen five times."
     ),

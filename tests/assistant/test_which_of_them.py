@@ -139,3 +139,21 @@ def test_what_no_memory_can_use_of_a_thing_is_said(home: Home) -> None:
     assert said.endswith("Which one is meant by “I was reading” I cannot tell.")
     for question in ("Where is the cup I bought?", "Where is the book that I left?"):
         assert "I cannot tell" not in told(home, question), question
+
+
+def test_exactly_so_many_together_and_at_most(home: Home) -> None:
+    home.thing("mug", "cup", paint="blue")
+    home.seen("mug", 0, 10, at=(1.3, 2, 1))
+    home.met("cup", "mug", 0, 10)
+    for bound in ("exactly", "at most"):
+        said = told(home, f"Were {bound} two cups together?")
+        assert said.startswith("Yes. I saw two cups together today"), bound
+    home.thing("beaker", "cup", paint="white")
+    home.seen("beaker", 0, 10, at=(1.2, 2.2, 1))
+    for other in ("cup", "mug"):
+        home.met("beaker", other, 0, 10)
+    for bound in ("exactly", "at most"):
+        said = told(home, f"Were {bound} two cups together?")
+        assert said.startswith("No. I saw three cups together today"), bound
+    assert told(home, "Were exactly four cups together?").startswith("I did not see four cups")
+    assert told(home, "Were at most four cups together?").startswith("That is right. I did not")
