@@ -35,7 +35,12 @@ _BEFORE_OWNER = words_of(
     "BE AUX SEE LEAVE FINDS DET REL AND OR _SHOW _FIND _SEEK _HOWMANY _WHERE _WHICH"
 ) | {""}
 _THEIRS = frozenset(("his", "her", "their"))
-PEOPLE = KIN | words_of("kid child guest visitor boy girl man woman baby person dog cat")
+PEOPLE = KIN | words_of(
+    "kid child guest visitor boy girl man woman baby person dog cat lady guy gentleman plumber "
+    "caregiver caretaker housekeeper babysitter landlord landlady colleague coworker toddler "
+    "teenager grandchild grandkid"
+)
+_AGES = words_of("little big small older younger elder old young eldest oldest youngest new other")
 _LEADING = _PLACE_WORDS | DETERMINERS | frozenset(OWNERS)
 
 
@@ -274,6 +279,8 @@ class NounTagger(ClauseTagger):
         k = self.i
         while self._text(k) in DETERMINERS or self._text(k) in OWNERS:
             k += 1
+        while k > self.i and self._text(k) in _AGES:
+            k += 1  # my little brother
         text = self._text(k)
         kind = self.lexicon.singular(text)
         person = text in self.lexicon.names or kind in (PEOPLE if k > self.i else KIN)

@@ -180,7 +180,12 @@ def _use_asked(texts: list[str]) -> bool:
     if verb in _WHERE_VERBS or verb == "have":
         return False
     known = verb in phrases().verbs or verb in _PUTTING
-    advice = texts[1] in ("should", "may") or (texts[1] in ("can", "could") and verb in _PUTTING)
+    yours = texts[1:3] == ["would", "you"] and verb in _PUTTING  # where would you put the sofa
+    advice = (
+        texts[1] in ("should", "may")
+        or yours
+        or (texts[1] in ("can", "could") and verb in _PUTTING)
+    )
     return not known or advice
 
 

@@ -252,13 +252,16 @@ def _opened(words: list[Word]) -> list[Word]:
 _FOR_WHOM = (["for", "me"], ["for", "us"])
 
 
+_CALLED = ("robot", "computer", "help", "question", "quick", "man")
+
+
 def _said_in_earnest(words: list[Word], i: int, count: int) -> bool:
     """Whether a wake word is the question itself: `no`, `now` and `computer` may be its nouns."""
     following = words[i + count].text if i + count < len(words) else ""
     if not following:
         return True
-    if is_open(words[i].text) and words[i].text in ("robot", "computer", "help", "question"):
-        return following not in (*QUESTION_STARTS, ",") and not following.startswith("i")
+    if is_open(words[i].text) and words[i].text in _CALLED:
+        return following not in (*QUESTION_STARTS, *_CALLED, ",") and not following.startswith("i")
     return False
 
 
@@ -293,6 +296,8 @@ def _closed(words: list[Word]) -> list[Word]:
     """Take politeness and tags off the end."""
     suffix = sections()["suffix"]
     told = False
+    if len(words) > _LEAST_ASKED and words[-1].text in _ANYONE and _complete(words[-2].text):
+        words = words[:-1]
     while words:
         if words[-1].text in (",", "-"):
             words = words[:-1]
@@ -310,6 +315,15 @@ def _closed(words: list[Word]) -> list[Word]:
     if told and stated and any(_verbal(w.text) for w in words):
         return [replace(words[0], text="whether"), *words]  # the cup is on the table, isn't it
     return words
+
+
+_LEAST_ASKED = 3
+_ANYONE = ("anyone", "anybody")
+
+
+def _complete(text: str) -> bool:
+    """Whether a question may end in a word, and who is asked come after it: the keys, anyone."""
+    return (is_open(text) or text == ",") and not _verbal(text)
 
 
 def _judged(words: list[Word]) -> bool:

@@ -48,6 +48,9 @@ def _states(found: FormalQuery, said: list[str], lexicon: Lexicon) -> Iterator[t
     """Yield a word that asks for a state of a thing, and why it is none that is known."""
     lists = scope.lists()
     for term in found.objects[:1]:
+        head = term.word.rpartition(" ")[2]
+        if head in _ONLY_STATES and head != term.word:  # is the baby asleep in the crib
+            yield head, _STATES
         states = lists["state"] & {*term.attributes, *term.without} - {"off", "on", "up", "down"}
         asked = any(_asked_for(state, said, lexicon) for state in states)
         if asked and found.ask in ("count", "whether", "what"):
@@ -60,6 +63,10 @@ def _states(found: FormalQuery, said: list[str], lexicon: Lexicon) -> Iterator[t
         content, vessel = (term.category for term in found.objects)
         if content in lists["liquid"] and vessel in lists["vessel"]:
             yield said[-1], "What is in a vessel is a state of it"
+
+
+_ONLY_STATES = words_of("asleep awake alive alone ajar afraid awry askew ablaze alight")
+"""Words that say how a thing is, and stand before none."""
 
 
 def _asked_for(state: str, said: list[str], lexicon: Lexicon) -> bool:
@@ -173,6 +180,7 @@ def _refuse_leftover_time(
 def _attending(found: FormalQuery, said: list[str]) -> bool:
     """Whether it is asked if people were here: `were any students here lately`."""
     being = len(said) > 1 and said[0] in ("is", "are", "was", "were")
-    if not being or said[1] == "there" or found.relation is not None:
+    having = said[:1] in (["do"], ["did"]) and said[2:3] == ["have"]  # do we have guests
+    if not (being or having) or said[1] == "there" or found.relation is not None:
         return False
     return found.objects[0].word in scope.lists()["people"] or found.objects[0].category == "person"

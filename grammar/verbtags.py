@@ -119,6 +119,9 @@ class VerbTagger(OwnerTagger):
             return False
         if terminal == "LEAVE" and said in ("lay", "hide") and not self._has("WHO"):
             return False
+        if said == "leave" and not self._has("WHO"):
+            self._emit("UNKNOWN", said, size)  # when does the bus leave
+            return True
         if terminal == "MISSING" and said in ("gone", "lost", "removed") and self._has("_WHERE"):
             return False
         if terminal == "MOVED" and said in ("different", "new"):
