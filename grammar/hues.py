@@ -12,9 +12,11 @@ from grammar.closed import is_open, words_of
 from grammar.phrases import phrases
 from grammar.vocabulary import Lexicon
 from grammar.vocabulary.hues import carried, hues
+from grammar.vocabulary.lexicon import THINGS
 from grammar.words import Word
 
 _ONE = ("one", "ones")
+_COLOURED = ("coloured", "colored")
 _BE = ("is", "are", "was", "were")
 _SAID_OF = (*_BE, "it", "they", "not")
 _JOINING = ("or", "and")
@@ -26,6 +28,8 @@ _COVERED = words_of(
     "vehicle bag bed stool hat glove shoe"
 )
 """Kinds of things that hold nothing they would be called for: a wine sofa is no sofa of wine."""
+_GROWN = words_of("food fruit vegetable plant flower tree bush")
+"""Kinds of things that names of one word tell the sort of: a jade plant, a lime tree."""
 
 
 def with_hues(words: list[Word], lexicon: Lexicon) -> list[Word]:
@@ -36,6 +40,7 @@ def with_hues(words: list[Word], lexicon: Lexicon) -> list[Word]:
         size = _size([*out, *words[i:]], len(out), lexicon)
         if size:
             name = " ".join(w.text for w in words[i : i + size])
+            size += _text(words, i + size) in _COLOURED
             out.append(replace(words[i], text=carried(name), end=words[i + size - 1].end))
         else:
             out.append(words[i])
@@ -77,15 +82,24 @@ def _is_look(words: list[Word], i: int, size: int, name: str, lexicon: Lexicon) 
     """Whether a name at `i` is said of a thing, and is none itself: no red wine, no rose."""
     if " " in name and lexicon.known_noun(name):
         return False
-    if not _goes_on(_text(words, i + size)):
+    last, after, is_thing = (
+        _text(words, i + size - 1),
+        _text(words, i + size),
+        name in hues().things,
+    )
+    if after in _COLOURED:
+        return True
+    if not _goes_on(after):
         if _is_either(words, i + size, lexicon):
-            return name not in hues().things
-        return _said_of(words, i, lexicon, is_thing=name in hues().things)
-    last, after = _text(words, i + size - 1), _text(words, i + size)
+            return not is_thing
+        return _said_of(words, i, lexicon, is_thing=is_thing)
     for said in (f"{last} {after}", f"{name} {after}"):
         if lexicon.known_noun(said) or lexicon.is_one_word(said.replace(" ", "")):
             return False
-    return name not in hues().things or _covered(words, i + size, lexicon)
+    kinds = _kinds(words, i + size, lexicon)
+    if size == 1 and not _GROWN.isdisjoint(kinds):
+        return False
+    return not is_thing or not _COVERED.isdisjoint(kinds)
 
 
 def _goes_on(after: str) -> bool:
@@ -107,7 +121,10 @@ def _said_of(words: list[Word], i: int, lexicon: Lexicon, *, is_thing: bool) -> 
     is_thing: it is as likely asked for itself: what is tea.
     """
     texts, before = [w.text for w in words[:i]], _text(words, i - 1)
-    if before in _BE and _text(words, i - 2) in _WHICH:
+    if before in THINGS:
+        return True
+    verb = i - 2 if before == "not" else i - 1
+    if _text(words, verb) in _BE and _text(words, verb - 1) in _WHICH:
         return True
     if not set(_BE) & set(texts) or texts[0] in _PLACING or "there" in texts:
         return False
@@ -117,13 +134,13 @@ def _said_of(words: list[Word], i: int, lexicon: Lexicon, *, is_thing: bool) -> 
     return noun or (before in _SAID_OF and (not is_thing or texts[0] == "which"))
 
 
-def _covered(words: list[Word], k: int, lexicon: Lexicon) -> bool:
-    """Whether the noun that begins at `k` is of what holds nothing."""
+def _kinds(words: list[Word], k: int, lexicon: Lexicon) -> set[str]:
+    """Return what the noun that begins at `k` is, and is a kind of."""
     head = k
-    while head + 1 < len(words) and is_open(words[head + 1].text):
+    while _goes_on(_text(words, head + 1)):
         head += 1
     kind = lexicon.canonical(_text(words, head))
-    return kind in _COVERED or not _COVERED.isdisjoint(lexicon.wider(kind))
+    return {kind, *lexicon.wider(kind)}
 
 
 def _text(words: list[Word], k: int) -> str:

@@ -95,6 +95,12 @@ def test_a_name_before_a_cup_is_a_look_unless_a_cup_may_hold_it(name: str) -> No
         ("Where is the orange?", "orange", ()),
         ("Where is the light green one?", "object", ("light green",)),
         ("Are there dark or light blue cups?", "cup", ("dark blue",)),
+        ("Where is the rose colored pillow?", "pillow", ("rose",)),
+        ("Where is the wine coloured bottle?", "bottle", ("wine",)),
+        ("Where is the jade plant?", "jade plant", ()),
+        ("Is there anything burnt orange?", "object", ("burnt orange",)),
+        ("Did you see something lime green?", "object", ("lime green",)),
+        ("Where is the Rose Gold phone?", "cell phone", ("rose", "gold")),
         ("Did you see a burnt orange or red cup?", "cup", ("burnt orange",)),
         ("Did you see a red or burnt orange cup?", "cup", ("red",)),
         ("Where is the cup that is burnt orange?", "cup", ("burnt orange",)),
@@ -105,6 +111,11 @@ def test_the_place_in_the_sentence_decides(
 ) -> None:
     term = asked(said).objects[0]
     assert (term.category, term.attributes) == (category, attributes)
+
+
+def test_a_name_may_be_denied_of_a_thing() -> None:
+    (term,) = asked("Where is the cup which isn't apple green?").objects
+    assert (term.category, term.without) == ("cup", ("apple green",))
 
 
 @pytest.mark.parametrize("said", ["What is tea?", "What is wine?"])
