@@ -6,6 +6,7 @@ judge is left out of the search, lowers the score and is told; it never turns a 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from datetime import datetime
 from time import perf_counter
@@ -54,7 +55,7 @@ from d3a.plan import (
     numbers_unjudged,
 )
 from d3a.rank import rank
-from d3a.store.base import Store
+from d3a.store.base import StayRecord, Store
 from grammar.forms import ANYTHING
 
 
@@ -274,24 +275,27 @@ def _drop_gone(run: Run, step: DropGone) -> None:
 
 
 def _filter_place(run: Run, step: FilterPlace) -> None:
-    names = (step.place, *step.others)
-    regions = {name: region for name in names if (region := run.region(name)) is not None}
-    table = run.found[step.var]
+    rooms, table = run.rooms_of(step), run.found[step.var]
     stays = sorted(table.stays.values(), key=lambda stay: stay.key)
-    unplaced = bool(stays) and all(stay.position is None for stay in stays)
-    # it may be in a room that nobody defined, and then is in one of them; outside of all others
-    if unplaced or not regions or (not step.negated and len(regions) < len(names)):
-        regions = {}
-    for name in (name for name in names if name not in regions):
-        run.leave_out(f"in the {name}")
-    if not regions:
+    if _are_unplaced(run, step.var, stays):
+        rooms = None
+    for name in (step.place, *step.others):
+        if rooms is None or run.region(name) is None:
+            run.leave_out(f"in the {name}")
+    if rooms is None:
         return
     run.before_place[step.var] = list(table.sightings)
-    inside = np.minimum(1.0, sum(probability_inside(region, stays) for region in regions.values()))
-    for stay, p in zip(stays, inside, strict=True):
+    for stay, p in zip(stays, rooms.holding(stays).tolist(), strict=True):
         if p == p:  # a stay without a position is in no room: it cannot be told
-            table.place[stay.key] = float(1 - p if step.negated else p)
+            table.place[stay.key] = p
     table.sightings = [s for s in table.sightings if table.place.get(s.stay, 0.0) >= 0.5]
+
+
+def _are_unplaced(run: Run, var: str, stays: Sequence[StayRecord]) -> bool:
+    """Whether nobody knows where any of a variable's things was: no room is judged then."""
+    if not stays or any(stay.position is not None for stay in stays):
+        return var in run.unplaced
+    return var not in run.many or bool(np.isnan(run.facts.positions(run.found[var].ids).x).all())
 
 
 def _rank(run: Run, step: Rank) -> None:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from d3a.answering import columns
 from d3a.answering.bounded import READ_A_KEYFRAME, worth_of
 from d3a.answering.departures import Left, Looks, share_left
-from d3a.answering.many import asked_region, place_stays, spans_asked
+from d3a.answering.many import asked_rooms, note_elsewhere, place_stays, spans_asked
 from d3a.answering.moments import Found, Moment, changes_of_place, entry_of, joined, single
 from d3a.answering.run import Run, milliseconds
 from d3a.answering.steps import KeepMissing, KeepMoved, KeepOften, KeepUsual
@@ -98,7 +98,7 @@ def _newest_moves(run: Run, step: KeepMoved, when: Slice) -> list[tuple[Sighting
     changed = (np.diff(spans.of) == 0) & (np.diff(spans.place) != 0)
     after = np.flatnonzero(changed) + 1
     after = after[[when.holds(ms) for ms in spans.start_ms[after].tolist()]]
-    if asked_region(run, step.var) is not None:
+    if asked_rooms(run, step.var) is not None:
         inside = set(spans_asked(run, step.var).stays())
         stays = spans.stays()
         after = after[[not inside.isdisjoint(stays[row - 1 : row + 1]) for row in after.tolist()]]
@@ -242,8 +242,12 @@ def usual(run: Run, step: KeepUsual) -> list[Moment]:
     newest = columns.lasts(stay, [spans.start_ms])
     if there is not None:
         newest = newest[[key in there for key in spans.chosen(newest).stays()]]
-    share = _shares(found, spans, stay, when, newest, READ_A_KEYFRAME * run.limit)[stay[newest]]
-    if many:
+    once, told = columns.joined(spans), stay[newest]
+    most = READ_A_KEYFRAME * run.limit
+    share = _shares(found, once, columns.stay_of(once), when, told, most)[told]
+    if many and not len(newest):
+        note_elsewhere(run, step.var)
+    elif many:
         run.counted = len(np.unique(spans.of[newest]))
         newest, share = read_best(run, step.var, spans, newest, share)
     return shared(found, spans, newest, share)
@@ -289,7 +293,7 @@ def _anywhere(run: Run, var: str) -> tuple[Spans, set[StayKey] | None]:
     found, whether = run.found[var], run.query.ask == "whether"
     many = run.spans.pop(var, None)
     if many is not None:
-        placed = whether and asked_region(run, var) is not None
+        placed = whether and asked_rooms(run, var) is not None
         return (run.facts.spans(found.ids, None, None), {*many.stays()}) if placed else (many, None)
     anywhere = run.before_place.get(var) or run.before_relation.get(var)
     if anywhere is None or not whether:
@@ -302,7 +306,7 @@ def _shares(
     spans: Spans,
     stay: Ints,
     when: Slice,
-    asked: NDArray[np.intp],
+    asked: Ints,
     most: int,
 ) -> NDArray[np.float64]:
     """Return the share of its object's time that each stay has (stays,), in their order.
@@ -310,14 +314,16 @@ def _shares(
     How long a robot looked at a thing says little of how long it lay there. So each moment from
     the first sighting of a thing to the last counts for the sighting that is nearest to it in
     time: of the thing, or of what may be it, which takes its share with it.
-    asked: rows of the stays that are told. Where there are more objects than `most`, those that
-    were seen there most often are told, and the share of others is left at 0.
+    asked: the numbers of the stays that are told. Where there are more objects than `most`, those
+    that were seen there most often are told, and the share of others is left at 0.
     """
     number = int(stay.max(initial=-1)) + 1
     often = np.bincount(stay, minlength=number)
     worth = np.array([worth_of(found.candidates[name]) for name in spans.ids])
+    of = np.zeros(number, dtype=np.int64)
+    of[stay] = spans.of
     best = np.zeros(len(spans.ids))
-    np.maximum.at(best, spans.of[asked], (often[stay] * worth[spans.of])[asked])
+    np.maximum.at(best, of[asked], often[asked] * worth[of[asked]])
     looked_at = np.argsort(-best, kind="stable")[:most]
     share = np.zeros(number)
     for one, rows in _that_may_be(found, spans, looked_at.tolist()):

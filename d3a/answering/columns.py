@@ -21,6 +21,12 @@ def stay_of(spans: Spans) -> Ints:
     return paired(spans.of, spans.place)
 
 
+def at_stays_of(spans: Spans, others: Spans) -> Mask:
+    """Return which sightings (n,) are at a stay that others of the same objects are at."""
+    width = 1 + max(int(each.place.max(initial=0)) for each in (spans, others))
+    return np.isin(spans.of * width + spans.place, others.of * width + others.place)
+
+
 def paired(one: Ints, other: Ints) -> Ints:
     """Return a number for each pair (n,), in the order of the pairs; equal pairs have the same."""
     if not len(one):
@@ -80,6 +86,19 @@ class Shown:
         return self._made[name]
 
 
+def shown_both(of: Ints, rounds: Ints, number: int) -> Mask:
+    """Return which of so many objects one round showed both (number, number); itself too.
+
+    of, rounds (n,): the object and the round of each sighting.
+    """
+    both = np.zeros((number, number), dtype=np.bool_)
+    _, first = np.unique(paired(rounds, of), return_index=True)
+    of, rounds = of[first], rounds[first]  # by round
+    for shown in np.split(of, np.flatnonzero(np.diff(rounds)) + 1):
+        both[np.ix_(shown, shown)] = True
+    return both
+
+
 def least_number(of: Ints, start_ms: Ints, end_ms: Ints) -> int:
     """Return how many things of one category there must be: the most objects of one round."""
     if not len(of):
@@ -100,11 +119,24 @@ def parts(spans: Spans) -> Ints:
     return numbers
 
 
-def occasions(spans: Spans) -> tuple[Ints, Ints]:
-    """Return start and end of the sightings when those that the store's limit split are joined."""
+def begins(spans: Spans) -> tuple[NDArray[np.intp], Ints]:
+    """Return in which row each sighting begins and when it ends, those that were split joined."""
     part = parts(spans)
     first, last = lasts(part, [-spans.start_ms]), lasts(part, [spans.end_ms])
-    return spans.start_ms[first], spans.end_ms[last]
+    return first, spans.end_ms[last]
+
+
+def joined(spans: Spans) -> Spans:
+    """Return the sightings with those as one that the store's limit split, by object and place."""
+    first, end_ms = begins(spans)
+    of, place, start = (each[first] for each in (spans.of, spans.place, spans.start_ms))
+    return Spans(spans.ids, of, place, start, end_ms)
+
+
+def occasions(spans: Spans) -> tuple[Ints, Ints]:
+    """Return start and end of the sightings when those that the store's limit split are joined."""
+    first, end_ms = begins(spans)
+    return spans.start_ms[first], end_ms
 
 
 def whole(spans: Spans, rows: NDArray[np.intp]) -> NDArray[np.intp]:

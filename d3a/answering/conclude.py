@@ -255,7 +255,9 @@ def _stayed(run: Run) -> list[tuple[int, int]]:
     found = next(step for step in run.steps if isinstance(step, FindStretches))
     if not found.newest:
         shown = {one.moment.figure.sighting.object_id for one in run.ranked}
-        spans = [(one.start_ms, one.end_ms) for one in run.stretches if one.object_id in shown]
+        every = found.var in run.spans  # of which those are told that were chosen
+        so = (one for one in run.stretches if every or one.object_id in shown)
+        spans = [(one.start_ms, one.end_ms) for one in so]
         return merged(_clipped(run, spans))
     best = run.ranked[0].moment.figure.sighting.object_id
     newest = [one for one in run.stretches if one.object_id == best][-1]

@@ -15,7 +15,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from d3a.answering.attributes import Looks
-from d3a.answering.landmarks import Landmarks, is_hollow_word, is_landmark_word, landmarks
+from d3a.answering.landmarks import Landmarks, is_landmark_word, landmarks, usual_grounds
 from d3a.answering.match import Candidate, Lexicon, candidates, rungs
 from d3a.answering.moments import Found, in_slice, joined
 from d3a.answering.revision import Revision
@@ -26,6 +26,7 @@ from d3a.plan import FindObjects
 from d3a.store.base import (
     Area,
     ObjectRecord,
+    Positions,
     Region,
     Sighting,
     Spans,
@@ -258,6 +259,14 @@ class Facts:
             self._known.spans.put(asked, found, len(found))
         return found
 
+    def positions(self, ids: Sequence[str]) -> Positions:
+        """Return where the stays of objects are, see `Store.positions`; kept for the next."""
+        found = self._known.positions.get(tuple(ids), None)
+        if found is None:
+            found = self.store.positions(ids)
+            self._known.positions.put(tuple(ids), found, len(found))
+        return found
+
     def _has_few_objects(self) -> bool:
         return sum(count for _, count in self._counted()) <= FEW_OBJECTS
 
@@ -313,7 +322,7 @@ class Facts:
         There is room below furniture and in containers; things lie on what is large and stays.
         """
         if kind not in self._known.usual:
-            self._known.usual[kind] = _usual_grounds(kind, self.categories(), lexicon)
+            self._known.usual[kind] = usual_grounds(kind, self.categories(), lexicon)
         return self._known.usual[kind]
 
     def landmarks(self, lexicon: Lexicon) -> Landmarks:
@@ -377,24 +386,3 @@ def _parameters(known: Any) -> Parameters:
     base = PROFILES.get(str(known.get("profile")), DEFAULT)
     fields = base.to_json().keys()
     return base.with_changes(**{name: known[name] for name in fields if name in known})
-
-
-def _usual_grounds(
-    kind: RelationKind, categories: Iterable[str], lexicon: Lexicon
-) -> frozenset[str]:
-    if kind == "under":
-        return frozenset(
-            category
-            for category in categories
-            if "furniture" in lexicon.broader(lexicon.canonical(category))
-        )
-    if kind == "in":
-        return frozenset(c for c in categories if is_hollow_word(c, lexicon))
-    if kind in ("on", "above"):
-        return frozenset(
-            category
-            for category in categories
-            if is_landmark_word(category, lexicon)
-            and (kind != "above" or not is_hollow_word(category, lexicon))
-        )
-    return frozenset()

@@ -6,7 +6,7 @@ A landmark of another room is behind a wall, however near it is.
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -16,6 +16,7 @@ from d3a.answering.match import Lexicon
 from d3a.answering.places import holders_of
 from d3a.model import Position
 from d3a.store.base import ObjectRecord, Region, StayKey, StayRecord
+from grammar.forms import RelationKind
 
 LANDMARK_WORDS = frozenset(
     {"furniture", "shelf", "screen", "counter", "sink", "toilet", "bathtub", "shower"}
@@ -152,6 +153,28 @@ def is_hollow_word(category: str, lexicon: Lexicon) -> bool:
     """Return whether things of a category have room inside, by its name."""
     name = lexicon.canonical(category)
     return bool({name, *lexicon.broader(name)} & HOLLOW_WORDS)
+
+
+def usual_grounds(
+    kind: RelationKind, categories: Iterable[str], lexicon: Lexicon
+) -> frozenset[str]:
+    """Return the categories that things usually stand in the relation to, see `Facts`."""
+    if kind == "under":
+        return frozenset(
+            category
+            for category in categories
+            if "furniture" in lexicon.broader(lexicon.canonical(category))
+        )
+    if kind == "in":
+        return frozenset(c for c in categories if is_hollow_word(c, lexicon))
+    if kind in ("on", "above"):
+        return frozenset(
+            category
+            for category in categories
+            if is_landmark_word(category, lexicon)
+            and (kind != "above" or not is_hollow_word(category, lexicon))
+        )
+    return frozenset()
 
 
 def landmarks(

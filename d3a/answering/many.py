@@ -16,12 +16,11 @@ from d3a.answering.bounded import AS_GOOD, READ_A_KEYFRAME, worth_of
 from d3a.answering.columns import lasts, stay_of
 from d3a.answering.facts import MOST_WHOLE
 from d3a.answering.moments import joined
-from d3a.answering.places import box_of, is_box, probability_inside
+from d3a.answering.places import Rooms, box_of, is_box
 from d3a.answering.run import Run, milliseconds
 from d3a.answering.steps import (
     FilterPlace,
     FindSightings,
-    FindStretches,
     Gather,
     KeepMissing,
     KeepMoved,
@@ -31,7 +30,7 @@ from d3a.answering.steps import (
     Relate,
 )
 from d3a.rank import LEAST_OF_BEST
-from d3a.store.base import Region, Spans
+from d3a.store.base import Spans
 
 
 def find_many(run: Run, step: FindSightings) -> bool:
@@ -44,22 +43,20 @@ def find_many(run: Run, step: FindSightings) -> bool:
     kept = {type(one): one for one in run.steps}
     if not _is_plain(run, step.var):
         return False
-    if place is not None and (place.others or place.negated):  # outside is nearly everything
-        return False
     start, end = milliseconds(step.start), milliseconds(step.end)
     last = None if end is None else end - 1
-    if not run.facts.are_many(ids, start, last):
+    rooms = asked_rooms(run, step.var)
+    is_there = KeepPresent in kept and rooms is not None
+    if (is_there and not start is end is None) or not run.facts.are_many(ids, start, last):
         return False
     run.many.add(step.var)
-    region = asked_region(run, step.var)
-    is_there = KeepPresent in kept and region is not None
     if is_there or (KeepMissing in kept and place is None):
         table.sightings = run.store.edges(ids, "last")
         run.newest_alone.add(step.var)
         return True
     moved = kept.get(KeepMoved)
     if isinstance(moved, KeepMoved):
-        if region is not None and not len(spans_asked(run, step.var)):
+        if rooms is not None and not len(spans_asked(run, step.var)):
             run.many.discard(step.var)
             return False  # whether the room can be judged, all stays tell
         run.spans[step.var] = moved_spans(run, ids, moved)
@@ -79,20 +76,20 @@ def spans_asked(
 ) -> Spans:
     """Return when the objects of a variable were seen within the closed [start, last].
 
-    In the room that they are asked for in, where somebody defined it: more likely than not.
+    In the rooms that they are asked for in, where somebody defined them: more likely than not.
     """
-    region, ids = asked_region(run, var), run.found[var].ids
-    if region is None:
+    rooms, ids = asked_rooms(run, var), run.found[var].ids
+    if rooms is None:
         return run.facts.spans(ids, start_ms, last_ms)
-    box = box_of(region)
-    spans = run.facts.spans(ids, start_ms, last_ms, box)
-    if is_box(region) or not len(spans):
+    if rooms.one is not None and is_box(rooms.one):
+        inside = run.facts.spans(ids, start_ms, last_ms, box_of(rooms.one))
+        if len(inside):
+            return inside
+    spans, positions = run.facts.spans(ids, start_ms, last_ms), run.facts.positions(ids)
+    if np.isnan(positions.x).all():  # no room is judged
+        run.unplaced.add(var)
         return spans
-    stays = run.store.stays(object_ids=ids, area=box)
-    inside = probability_inside(region, stays) >= 0.5
-    held = {stay.key for stay, held in zip(stays, inside.tolist(), strict=True) if held}
-    rows = zip(spans.of.tolist(), spans.place.tolist(), strict=True)
-    return spans.chosen(np.array([(spans.ids[of], place) in held for of, place in rows]))
+    return spans.chosen(rooms.probability(positions)[positions.rows_of(spans)] >= 0.5)
 
 
 def moved_spans(run: Run, ids: Sequence[str], step: KeepMoved) -> Spans:
@@ -145,20 +142,27 @@ def _choose(run: Run, step: FindSightings, spans: Spans) -> None:
 
 
 def place_stays(run: Run, var: str) -> None:
-    """Note how likely the stays that were found lie in the asked room."""
-    region, table = asked_region(run, var), run.found[var]
-    if region is None:
+    """Note how likely the stays that were found lie in the asked rooms."""
+    rooms, table = asked_rooms(run, var), run.found[var]
+    if rooms is None:
         return
     stays = sorted(table.stays.values(), key=lambda stay: stay.key)
-    for stay, p in zip(stays, probability_inside(region, stays).tolist(), strict=True):
+    for stay, p in zip(stays, rooms.holding(stays).tolist(), strict=True):
         if p == p:  # a stay without a position is in no room: it cannot be told
             table.place[stay.key] = p
 
 
-def asked_region(run: Run, var: str) -> Region | None:
-    """Return the room that the variable is asked in, None where none is or nobody defined it."""
+def note_elsewhere(run: Run, var: str) -> None:
+    """Note where things were last that are asked for in rooms and were not so there."""
+    if asked_rooms(run, var) is not None and not run.before_place.get(var):
+        run.before_place[var] = run.store.edges(run.found[var].ids, "last")
+        run.found[var].stays |= run.facts.stays_of(run.before_place[var])
+
+
+def asked_rooms(run: Run, var: str) -> Rooms | None:
+    """Return the rooms that the variable is asked in, None where none are that can be judged."""
     place = _place(run, var)
-    return None if place is None else run.region(place.place)
+    return None if place is None else run.rooms_of(place)
 
 
 def _place(run: Run, var: str) -> FilterPlace | None:
@@ -168,6 +172,6 @@ def _place(run: Run, var: str) -> FilterPlace | None:
 
 def _is_plain(run: Run, var: str) -> bool:
     """Whether the variable stands in no relation, and its noun names no room."""
-    joins = any(isinstance(s, Relate | Gather | FindStretches) for s in run.steps)
+    joins = any(isinstance(s, Relate | Gather) for s in run.steps)
     joins = joins or any(isinstance(s, KeepPresent) and s.anywhere for s in run.steps)
     return not joins and "." not in var and var not in run.rooms

@@ -12,6 +12,7 @@ import numpy as np
 from d3a.answering import columns
 from d3a.answering.changes import Slice, held_by, read_best, shared
 from d3a.answering.distinct import rounds
+from d3a.answering.many import note_elsewhere
 from d3a.answering.moments import Moment
 from d3a.answering.run import Run
 from d3a.answering.steps import KeepOften
@@ -48,6 +49,7 @@ def _of_many(run: Run, step: KeepOften) -> list[Moment]:
     """Return what `often` does, of what was seen in a place too often to read it all."""
     spans = held_by(Slice.of(step), run.spans.pop(step.var))
     if not len(spans):
+        note_elsewhere(run, step.var)
         return []
     part = columns.parts(spans)
     start, end = (each[part] for each in columns.occasions(spans))

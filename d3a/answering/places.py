@@ -7,40 +7,65 @@ lies inside.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from d3a.answering.pairs import DEFAULT_SIGMA_M, normal_cdf
 from d3a.model import Position
-from d3a.store.base import Area, Region, StayRecord, Store, View
+from d3a.store.base import Area, Positions, Region, StayRecord, Store, View
 
 DAY_MS = 86_400_000
-FAR_SIGMAS = 9.0
-"""What is further from a room is not in it: how likely it is all the same changes no sum."""
+SUREST_M = 0.02
+"""No position is known better."""
+Floats = NDArray[np.float64]
 _Bounds = tuple[float, float, float, float]
 
 
-def probability_inside(region: Region, stays: Sequence[StayRecord]) -> NDArray[np.float64]:
+@dataclass(frozen=True, slots=True)
+class Rooms:
+    """The rooms that are asked for: inside of any of them, or outside of all of them."""
+
+    regions: tuple[Region, ...]
+    outside: bool = False
+
+    @property
+    def one(self) -> Region | None:
+        """Return the one room inside of which is asked for, None of others."""
+        return None if self.outside or len(self.regions) > 1 else self.regions[0]
+
+    def probability(self, positions: Positions) -> Floats:
+        """Return how likely each stay is where it is asked for (n,), NaN without a position."""
+        every = np.stack([_chance_inside(region, positions) for region in self.regions])
+        inside = np.minimum(1.0, every.sum(axis=0))
+        return np.asarray(1.0 - inside if self.outside else inside)
+
+    def holding(self, stays: Sequence[StayRecord]) -> Floats:
+        """Return the same of stays that were read."""
+        return self.probability(Positions.of_stays([s.object_id for s in stays], stays))
+
+
+def probability_inside(region: Region, stays: Sequence[StayRecord]) -> Floats:
+    """Return how likely each stay lies inside of the room (n,), NaN without a position."""
+    return Rooms((region,)).holding(stays)
+
+
+def _chance_inside(region: Region, positions: Positions) -> Floats:
     """Return how likely each stay lies inside of the room (n,), NaN without a position.
 
     The distance to the nearest wall against the position's deviation: on the wall it is 0.5. In a
     room of another site, which has a map of its own, is nothing: 0.
     """
-    result = np.full(len(stays), np.nan)
-    x_min, x_max, y_min, y_max = _bounds(region.polygon)
-    for i, stay in enumerate(stays):
-        if not is_of(region, stay.site):
-            result[i] = -np.inf
-        elif stay.position is not None:
-            x, y, sigma = stay.position[0], stay.position[1], sigma_of(stay)
-            away = max(x_min - x, x - x_max, y_min - y, y - y_max)  # of the box around it
-            is_far = away > FAR_SIGMAS * sigma
-            result[i] = -np.inf if is_far else _depth_inside(region.polygon, x, y) / sigma
-    known = ~np.isnan(result)
-    result[known] = normal_cdf(result[known])
-    return result
+    depth = _depths_inside(region.polygon, positions.x, positions.y)
+    deviation = np.maximum(np.sqrt(np.maximum(positions.variance, 0.0)), SUREST_M)
+    away = depth / np.where(np.isnan(deviation), DEFAULT_SIGMA_M, deviation)
+    there = np.array([is_of(region, site) for site in positions.sites], dtype=np.bool_)
+    away[~there[positions.site]] = -np.inf
+    known = ~np.isnan(away)
+    away[known] = normal_cdf(away[known])
+    return away
 
 
 def sigma_of(stay: StayRecord | None) -> float:
@@ -48,14 +73,14 @@ def sigma_of(stay: StayRecord | None) -> float:
     if stay is None or stay.covariance is None:
         return DEFAULT_SIGMA_M
     variance = (stay.covariance[0] + stay.covariance[4] + stay.covariance[8]) / 3
-    return max(math.sqrt(max(variance, 0.0)), 0.02)
+    return max(math.sqrt(max(variance, 0.0)), SUREST_M)
 
 
 def up_of(stay: StayRecord | None) -> float:
     """Return the deviation of a stay's height, metres; up is z, as floors are in the x-y plane."""
     if stay is None or stay.covariance is None:
         return DEFAULT_SIGMA_M
-    return max(math.sqrt(max(stay.covariance[8], 0.0)), 0.02)
+    return max(math.sqrt(max(stay.covariance[8], 0.0)), SUREST_M)
 
 
 def is_of(region: Region, site: str) -> bool:
@@ -124,10 +149,15 @@ def _holders(
 
 def last_look(views: Sequence[View], region: Region) -> int | None:
     """Return when the robot last stood in a room or looked at its middle; None for never."""
+    placed = [view for view in views if view.x is not None and is_of(region, view.site)]
+    seen = [(v.x, v.y, v.yaw, v.half_angle, v.range_m) for v in placed]
+    x, y, yaw, half_angle, range_m = np.array(seen, dtype=np.float64).reshape(-1, 5).T
     xs, ys = zip(*region.polygon, strict=True)
-    middle = (sum(xs) / len(xs), sum(ys) / len(ys))
-    seen = [view.end_ms for view in views if _looks_into(view, region, middle)]
-    return max(seen, default=None)
+    dx, dy = sum(xs) / len(xs) - x, sum(ys) / len(ys) - y
+    turn = (np.arctan2(dy, dx) - yaw + math.pi) % (2 * math.pi) - math.pi
+    looked = (np.hypot(dx, dy) <= range_m) & (np.abs(turn) <= half_angle)  # no yaw: False
+    rows = np.flatnonzero(looked | (_depths_inside(region.polygon, x, y) >= 0))
+    return max((placed[row].end_ms for row in rows.tolist()), default=None)
 
 
 def newest_look(store: Store, region: Region, newest_ms: int | None) -> int | None:
@@ -144,42 +174,43 @@ def newest_look(store: Store, region: Region, newest_ms: int | None) -> int | No
     return last_look(store.views(), region)
 
 
-def _looks_into(view: View, region: Region, middle: tuple[float, float]) -> bool:
-    if view.x is None or view.y is None or not is_of(region, view.site):
-        return False
-    if _depth_inside(region.polygon, view.x, view.y) >= 0:
-        return True
-    if view.yaw is None or view.half_angle is None or view.range_m is None:
-        return False
-    dx, dy = middle[0] - view.x, middle[1] - view.y
-    turn = (math.atan2(dy, dx) - view.yaw + math.pi) % (2 * math.pi) - math.pi
-    return math.hypot(dx, dy) <= view.range_m and abs(turn) <= view.half_angle
-
-
 def _holds(polygon: Sequence[tuple[float, float]], x: float, y: float) -> bool:
-    """Return whether a place is inside or on a wall; how far the walls are is seldom needed."""
-    return _is_inside(polygon, x, y) or _depth_inside(polygon, x, y) >= 0
+    """Return whether one place is inside or on a wall; how far the walls are is not needed."""
+    return _is_inside(polygon, x, y) or any(
+        (x2 - x1) * (y - y1) == (y2 - y1) * (x - x1)
+        and min(x1, x2) <= x <= max(x1, x2)
+        and min(y1, y2) <= y <= max(y1, y2)
+        for (x1, y1), (x2, y2) in _walls(polygon)
+    )
 
 
 def _is_inside(polygon: Sequence[tuple[float, float]], x: float, y: float) -> bool:
     inside = False
-    x1, y1 = polygon[-1]
-    for x2, y2 in polygon:
+    for (x1, y1), (x2, y2) in _walls(polygon):
         if (y1 > y) != (y2 > y) and x < (x2 - x1) * (y - y1) / (y2 - y1) + x1:
             inside = not inside
-        x1, y1 = x2, y2
     return inside
 
 
-def _depth_inside(polygon: Sequence[tuple[float, float]], x: float, y: float) -> float:
-    """Return the distance to the nearest wall, negative outside."""
-    nearest = math.inf
-    for (x1, y1), (x2, y2) in zip(polygon, (*polygon[1:], polygon[0]), strict=True):
-        length2 = (x2 - x1) ** 2 + (y2 - y1) ** 2
-        along = 0.0 if length2 == 0 else ((x - x1) * (x2 - x1) + (y - y1) * (y2 - y1)) / length2
-        along = min(1.0, max(0.0, along))
-        nearest = min(nearest, math.hypot(x - x1 - along * (x2 - x1), y - y1 - along * (y2 - y1)))
-    return nearest if _is_inside(polygon, x, y) else -nearest
+def _depths_inside(polygon: Sequence[tuple[float, float]], x: Floats, y: Floats) -> Floats:
+    """Return the distance of each place to the nearest wall (n,), negative outside."""
+    nearest, inside = np.full(len(x), math.inf), np.zeros(len(x), dtype=np.bool_)
+    for (x1, y1), (x2, y2) in _walls(polygon):
+        wide, high, right, up = x2 - x1, y2 - y1, x - x1, y - y1
+        length2 = wide**2 + high**2
+        along = (right * wide + up * high) / (length2 or 1.0)
+        along = np.minimum(1.0, np.maximum(0.0, along))
+        nearest = np.minimum(nearest, np.hypot(right - along * wide, up - along * high))
+        if high:
+            inside ^= ((y1 > y) != (y2 > y)) & (x < wide * up / high + x1)
+    return np.where(inside, nearest, -nearest)
+
+
+def _walls(
+    polygon: Sequence[tuple[float, float]],
+) -> Iterator[tuple[tuple[float, float], tuple[float, float]]]:
+    """Return the ends of each wall."""
+    return zip(polygon, (*polygon[1:], polygon[0]), strict=True)
 
 
 def _bounds(polygon: Sequence[tuple[float, float]]) -> _Bounds:
@@ -189,5 +220,4 @@ def _bounds(polygon: Sequence[tuple[float, float]]) -> _Bounds:
 
 def area_m2(polygon: Sequence[tuple[float, float]]) -> float:
     """Return the area of a room."""
-    corners = zip(polygon, (*polygon[1:], polygon[0]), strict=True)
-    return abs(sum(x1 * y2 - x2 * y1 for (x1, y1), (x2, y2) in corners)) / 2
+    return abs(sum(x1 * y2 - x2 * y1 for (x1, y1), (x2, y2) in _walls(polygon))) / 2

@@ -18,6 +18,7 @@ from d3a.parameters import Parameters
 from d3a.store.base import (
     Area,
     ObjectRecord,
+    Positions,
     Region,
     Sighting,
     Spans,
@@ -38,6 +39,8 @@ MOST_LOOKS = 25_000
 MOST_SIGHTINGS = 20_000
 MOST_SPANS = 500_000
 """Their times and places alone take 32 bytes each."""
+MOST_PLACED = 250_000
+"""And where stays are 48."""
 _Asked = tuple[str, ...] | None
 _Noun = tuple[str, str, Precision | None]
 _Meant = tuple[FindObjects, tuple[tuple[str, float], ...], float]
@@ -77,6 +80,7 @@ class Revision:
         default_factory=lambda: Kept(MOST_SIGHTINGS)
     )
     spans: Kept[_Timed, Spans] = field(default_factory=lambda: Kept(MOST_SPANS))
+    positions: Kept[tuple[str, ...], Positions] = field(default_factory=lambda: Kept(MOST_PLACED))
     kept: int = 0
     crowded: bool = False
 

@@ -12,6 +12,7 @@ from d3a.answering.facts import Facts
 from d3a.answering.landmarks import Landmarks
 from d3a.answering.match import Candidate, Lexicon, squash
 from d3a.answering.moments import Entry, Found, Moment, Stretch, single
+from d3a.answering.places import Rooms
 from d3a.answering.spots import RuledOut, Spot
 from d3a.parameters import Parameters
 from d3a.plan import FilterPlace, FindObjects, Rank, Relate, Step, Unite
@@ -48,7 +49,7 @@ class Run:
     on a relation was looked for, as the variables `reached` allow. spans: by variable, all
     sightings that count, where those that were found are a choice of them; newest_alone: the
     variables of which each object's newest sighting was found and no other; many: those of which
-    not all stays are read.
+    not all stays are read; unplaced: of these those that nobody knows a place of.
     """
 
     query: FormalQuery
@@ -84,6 +85,7 @@ class Run:
     spans: dict[str, Spans] = field(default_factory=dict)
     newest_alone: set[str] = field(default_factory=set)
     many: set[str] = field(default_factory=set)
+    unplaced: set[str] = field(default_factory=set)
     suggestions: tuple[str, ...] = ()
     message: str | None = None
     rank_step: Rank | None = None
@@ -98,6 +100,17 @@ class Run:
         """Return the room of that name, None where nobody defined it."""
         wanted = squash(name or "")
         return next((r for r in self.facts.regions() if squash(r.name) == wanted), None)
+
+    def rooms_of(self, step: FilterPlace) -> Rooms | None:
+        """Return the rooms of a step, None where too few are defined to judge it.
+
+        What may be in a room that nobody defined may be in one of several, and outside of all
+        others.
+        """
+        known = [self.region(name) for name in (step.place, *step.others)]
+        regions = tuple(region for region in known if region is not None)
+        judged = regions and (step.negated or len(regions) == len(known))
+        return Rooms(regions, step.negated) if judged else None
 
     def named(self, step: FindObjects) -> list[ObjectRecord]:
         """Return the objects that a person taught this word for; asks only where any name fits."""

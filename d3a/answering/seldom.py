@@ -51,7 +51,7 @@ def take(run: Run, step: Seldom) -> None:
         case Gather():
             gather(run, step)
         case FindStretches():
-            run.stretches = stretches(run, step.var)
+            run.stretches = stretches(run, step)
         case KeepMoved():
             run.moments = [*(run.moments or ()), *moved(run, step)]
         case KeepMissing():

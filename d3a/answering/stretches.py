@@ -14,16 +14,21 @@ from operator import attrgetter
 from d3a.answering.distinct import rounds_of
 from d3a.answering.moments import Moment, Stretch
 from d3a.answering.run import Run
+from d3a.answering.stayed import stretches_of_many
+from d3a.answering.steps import FindStretches
 from d3a.store.base import Sighting
 
 _BY_TIME = attrgetter("start_ms", "object_id", "place")
 
 
-def stretches(run: Run, var: str) -> list[Stretch]:
+def stretches(run: Run, step: FindStretches) -> list[Stretch]:
     """Return from when to when each object of the moments was so, by object and time.
 
     At the same place it was so even where no frame shows what it was related to.
     """
+    var = step.var
+    if var in run.many:
+        return stretches_of_many(run, step)
     found, moments = run.found[var], run.answering(var)
     sifted = run.before_relation.get(var) or run.before_place.get(var)
     of: dict[str, list[Moment]] = {}

@@ -39,7 +39,7 @@ from d3a.store.errors import (
     StoreRefused,
     StoreUnreachable,
 )
-from d3a.store.spans import SightingKey, Spans
+from d3a.store.spans import Positions, SightingKey, Spans
 
 if TYPE_CHECKING:
     from d3a.store.lease import Lease
@@ -56,6 +56,7 @@ __all__ = [
     "Keyframe",
     "NativeQuery",
     "ObjectRecord",
+    "Positions",
     "RecordingRecord",
     "Region",
     "Sighting",
@@ -241,6 +242,10 @@ class Store(Protocol):
 
         Of all that they touch; ties by place. area, limit: as `sightings` has them.
         """
+        ...
+
+    def positions(self, object_ids: Sequence[str]) -> Positions:
+        """Return where the stays of objects are, by (object_id, place)."""
         ...
 
     def newest(

@@ -8,7 +8,15 @@ from typing import Protocol
 
 import numpy as np
 
-from d3a.store.base import Area, Sighting, SightingKey, Spans, StayKey, StayRecord
+from d3a.store.base import (
+    Area,
+    Positions,
+    Sighting,
+    SightingKey,
+    Spans,
+    StayKey,
+    StayRecord,
+)
 
 
 class _Reader(Protocol):
@@ -53,6 +61,10 @@ class ByReading:
         found = self.sightings(object_ids=object_ids, area=area, start_ms=start_ms, end_ms=end_ms)
         every = Spans.of_sightings(object_ids, found)
         return every if limit is None else every.chosen(np.arange(min(limit, len(every))))
+
+    def positions(self: _Reader, object_ids: Sequence[str]) -> Positions:
+        """Return where the stays of objects are, see `Store.positions`."""
+        return Positions.of_stays(object_ids, self.stays(object_ids=object_ids))
 
     def newest(
         self: _Reader,

@@ -7,10 +7,13 @@ import struct
 from collections.abc import Callable, Sequence
 from typing import Any
 
+import numpy as np
+
 from d3a.frozen import maker
 from d3a.store.base import (
     Encounter,
     ObjectRecord,
+    Positions,
     RecordingRecord,
     Region,
     Sighting,
@@ -19,6 +22,7 @@ from d3a.store.base import (
     View,
 )
 from d3a.store.records import Record, embedding_bytes, embedding_from_bytes
+from d3a.store.spans import UNKNOWN
 
 Row = tuple[Any, ...]
 _BOX = struct.Struct("<4d")
@@ -151,6 +155,14 @@ def stay_record(row: Row) -> StayRecord:
         row[14] == 1,
         row[15] == 1,
     )
+
+
+def positions(object_ids: Sequence[str], rows: Sequence[Row]) -> Positions:
+    """Return rows of (object_id, place, x, y, site, covariance) as columns."""
+    *columns, packed = zip(*rows, strict=True) if rows else ((),) * 6
+    unknown = _COVARIANCE.pack(*UNKNOWN)
+    covariance = np.frombuffer(b"".join([each or unknown for each in packed]), dtype="<f8")
+    return Positions.of_columns(object_ids, columns, covariance.reshape(-1, 9))
 
 
 def sighting_row(record: Sighting) -> Row:

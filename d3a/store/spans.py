@@ -4,15 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from d3a.store.documents import Sighting, StayKey
+from d3a.store.documents import Sighting, StayKey, StayRecord
 
 SightingKey = tuple[str, int, int]
 """(object_id, place, start_ms): one sighting."""
 Ints = NDArray[np.int64]
+Floats = NDArray[np.float64]
+UNKNOWN = (float("nan"),) * 9
+"""The covariance of a position that nothing measured."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,3 +82,67 @@ class Spans:
         """Return which sightings these are."""
         rows = zip(self.of.tolist(), self.place.tolist(), self.start_ms.tolist(), strict=True)
         return [(self.ids[of], place, start) for of, place, start in rows]
+
+
+@dataclass(frozen=True, slots=True)
+class Positions:
+    """Where the stays of objects are, by (object_id, place).
+
+    ids: the objects that were asked for, sorted, none twice. of, place (n,): the number of a stay's
+    object among `ids`, and its place. x, y (n,): metres; variance (n,): of the position, the mean
+    over its axes, in square metres; NaN where unknown. site (n,): the number of its map in `sites`.
+    """
+
+    ids: tuple[str, ...]
+    of: Ints
+    place: Ints
+    x: Floats
+    y: Floats
+    variance: Floats
+    site: Ints
+    sites: tuple[str, ...]
+
+    @classmethod
+    def of_columns(
+        cls, object_ids: Sequence[str], columns: Sequence[Sequence[Any]], covariance: Floats
+    ) -> Positions:
+        """Return (object_id, place, x, y, site) of stays in their order, and covariance (n, 9)."""
+        ids = tuple(sorted({*object_ids}))
+        number = {name: n for n, name in enumerate(ids)}
+        names, place, x, y, site = columns
+        sites = {name: n for n, name in enumerate(dict.fromkeys(site))}
+        return cls(
+            ids,
+            np.array([number[name] for name in names], dtype=np.int64),
+            np.array(place, dtype=np.int64),
+            np.array(x, dtype=np.float64),  # None becomes NaN
+            np.array(y, dtype=np.float64),
+            (covariance[:, 0] + covariance[:, 4] + covariance[:, 8]) / 3,
+            np.array([sites[name] for name in site], dtype=np.int64),
+            tuple(sites),
+        )
+
+    @classmethod
+    def of_stays(cls, object_ids: Sequence[str], stays: Sequence[StayRecord]) -> Positions:
+        """Return the columns of stays that were read, in their order."""
+        places = [stay.position or (None, None) for stay in stays]
+        columns = (
+            [stay.object_id for stay in stays],
+            [stay.place for stay in stays],
+            [at[0] for at in places],
+            [at[1] for at in places],
+            [stay.site for stay in stays],
+        )
+        covariance = np.array([s.covariance or UNKNOWN for s in stays], dtype=np.float64)
+        return cls.of_columns(object_ids, columns, covariance.reshape(-1, 9))
+
+    def __len__(self) -> int:
+        """Return how many stays there are."""
+        return len(self.of)
+
+    def rows_of(self, spans: Spans) -> Ints:
+        """Return the row of the stay of each sighting of the same objects (n,)."""
+        width = 1 + max(int(each.place.max(initial=0)) for each in (self, spans))
+        return np.asarray(
+            np.searchsorted(self.of * width + self.place, spans.of * width + spans.place)
+        )

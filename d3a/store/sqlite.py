@@ -23,6 +23,7 @@ from d3a.store.base import (
     Keyframe,
     NativeQuery,
     ObjectRecord,
+    Positions,
     RecordingRecord,
     Region,
     Sighting,
@@ -41,12 +42,13 @@ from d3a.store.rows import (
     Row,
     encounter_record,
     object_record,
+    positions,
     sighting_record,
     stay_record,
     view_record,
 )
 from d3a.store.sqlite_connection import BUSY_TIMEOUT_S, traced
-from d3a.store.sqlite_newest import Newest, StayRows, count_seen
+from d3a.store.sqlite_newest import Newest, StayRows, count_seen, last_view_ms
 from d3a.store.sqlite_read import Select
 
 _WHOLE = "BEGIN IMMEDIATE", "COMMIT", "ROLLBACK"
@@ -132,13 +134,10 @@ class SqliteStore:
 
     def collect_keyframes(self, keep: Sequence[str] = ()) -> int:
         """Remove pictures that nothing refers to, but for `keep`; count them."""
+        from d3a.store.sqlite_write import collect_keyframes
+
         with self.turn():
-            return self._db.execute(
-                "DELETE FROM keyframe WHERE key NOT IN (SELECT value FROM json_each(?)) "
-                "AND NOT EXISTS (SELECT 1 FROM sighting WHERE image = key) "
-                "AND NOT EXISTS (SELECT 1 FROM encounter WHERE image = key)",
-                (json.dumps(list(keep)),),
-            ).rowcount
+            return collect_keyframes(self._db, keep)
 
     def scrub(self) -> bool:
         """Write the file anew without what was removed, and empty the log.
@@ -262,6 +261,10 @@ class SqliteStore:
         select = sqlite_read.spans(object_ids, area, start_ms, end_ms, trees=self._trees)
         return Spans.of_texts(object_ids, self._select(sqlite_read.of_each(select, limit)))
 
+    def positions(self, object_ids: Sequence[str]) -> Positions:
+        """Return where the stays of objects are, by (object_id, place)."""
+        return positions(object_ids, self._select(sqlite_read.positions(object_ids)))
+
     def newest(
         self,
         object_ids: Sequence[str],
@@ -332,12 +335,7 @@ class SqliteStore:
 
     def last_view_ms(self) -> int | None:
         """Return the time of the newest frame: of the views and of the recordings."""
-        text = (
-            "SELECT max(ms) FROM (SELECT max(end_ms) AS ms FROM seen_area "
-            "UNION ALL SELECT max(last_ms) FROM recording)"
-        )
-        newest: int | None = self._rows(text)[0][0]
-        return newest
+        return last_view_ms(self._rows)
 
     def regions(self) -> list[Region]:
         """Return named rooms, by name."""

@@ -42,6 +42,11 @@ SELECT (SELECT max(id) FROM sighting), (SELECT min(start_ms) FROM sighting),
   (SELECT max(start_ms) FROM sighting), (SELECT max(rowid) FROM oic),
   (SELECT value FROM internal WHERE key = 'max_sighting_ms')
 """
+_LAST_VIEW = """
+SELECT max(ms) FROM (
+  SELECT max(end_ms) AS ms FROM seen_area UNION ALL SELECT max(last_ms) FROM recording
+)
+"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,6 +95,12 @@ def count_seen(
         if extent is not None and extent.is_walked(end_ms - start_ms + extent.longest_ms, len(ids)):
             select = seen_within(ids, start_ms, end_ms)
     return int(rows(select.text(), select.parameters)[0][0])
+
+
+def last_view_ms(rows: Rows) -> int | None:
+    """Return what `Store.last_view_ms` does. rows: runs a query."""
+    newest: int | None = rows(_LAST_VIEW, {})[0][0]
+    return newest
 
 
 @dataclass(slots=True)

@@ -261,6 +261,14 @@ def spans(
     return select
 
 
+def positions(object_ids: Sequence[str]) -> Select:
+    """Return the query of `Store.positions`."""
+    columns = "object_id, place, x, y, site, covariance"
+    select = Select(columns, "stc", "object_id, place")
+    select.where(among("object_id", "ids"), ids=as_list(object_ids))
+    return select
+
+
 def of_each(select: Select, limit: int | None) -> Select:
     """Return the query that gives an object a text where one of `spans` gives a sighting a row.
 

@@ -288,3 +288,13 @@ def _tree_place(
 
 def _tree_end(end_ms: int) -> int:
     return -(-end_ms // TREE_STEP_MS) * TREE_STEP_MS
+
+
+def collect_keyframes(connection: sqlite3.Connection, keep: Sequence[str]) -> int:
+    """Remove pictures that nothing refers to, but for `keep`; count them."""
+    return connection.execute(
+        "DELETE FROM keyframe WHERE key NOT IN (SELECT value FROM json_each(?)) "
+        "AND NOT EXISTS (SELECT 1 FROM sighting WHERE image = key) "
+        "AND NOT EXISTS (SELECT 1 FROM encounter WHERE image = key)",
+        (json.dumps(list(keep)),),
+    ).rowcount

@@ -17,6 +17,7 @@ from d3a.store.base import (
     Encounter,
     Keyframe,
     ObjectRecord,
+    Positions,
     RecordingRecord,
     Region,
     Sighting,
@@ -220,6 +221,13 @@ some_time = st.none() | instants
 areas = st.none() | st.tuples(reals, reals, reals, reals).map(lambda v: Area(*v))
 
 
+def placed(positions: Positions) -> list[Any]:
+    """Where stays are as columns, as what can be compared: NaN equals nothing, -0.0 is 0.0."""
+    numbers = (positions.of, positions.place, positions.x, positions.y, positions.variance)
+    sites = [positions.sites[n] for n in positions.site.tolist()]
+    return [positions.ids, *([repr(n) for n in (each + 0).tolist()] for each in numbers), sites]
+
+
 def columns(spans: Spans) -> tuple[Any, ...]:
     """What a store tells as columns, as what can be compared."""
     return spans.ids, spans.which(), spans.end_ms.tolist()
@@ -246,6 +254,7 @@ def questions(draw: st.DrawFn) -> Question:
         lambda s: s.count_seen(among or IDS, **span),
         lambda s: s.stays_at([(name, place) for name in among or IDS for place in (0, 2)]),
         lambda s: columns(s.spans(among or IDS, area=area, limit=limit, **span)),
+        lambda s: placed(s.positions(among or IDS)),
         lambda s: s.sightings_at([*columns(s.spans(IDS))[1][::most], ("a", 99, 5)]),
         lambda s: s.embeddings(most)[0],
         lambda s: s.encounters(object_ids=among, with_ids=with_ids, **span),

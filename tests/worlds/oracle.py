@@ -22,6 +22,7 @@ from d3a.store.base import (
     Keyframe,
     NativeQuery,
     ObjectRecord,
+    Positions,
     RecordingRecord,
     Region,
     Sighting,
@@ -244,6 +245,9 @@ class OracleStore:
             and touches(start, s.end_ms, start_ms, end_ms)
         )
         return Spans.of_rows(object_ids, rows[:limit])
+
+    def positions(self, object_ids: Sequence[str]) -> Positions:
+        return Positions.of_stays(object_ids, self.stays(object_ids=object_ids))
 
     def newest(
         self,
