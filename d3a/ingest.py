@@ -10,6 +10,7 @@ from pathlib import Path
 from time import perf_counter
 
 from d3a.associator import Associator, check_filled_alike
+from d3a.correcting.reconcile import corrected_stays
 from d3a.correcting.retention import retain
 from d3a.correcting.taught_looks import search_later
 from d3a.detectors.base import Detector
@@ -169,7 +170,8 @@ class _Run:
                 with self._stopwatch.stage("tiers"):
                     associator.finish()
                 self._checkpoint(associator, log, done=True)
-            log.finish(done=not stopped)
+            became = {} if assignments is None else corrected_stays(self._store)
+            log.finish(became, done=not stopped)
         if not stopped:
             self._search_for_taught(associator)
             with self._stopwatch.stage("store"):

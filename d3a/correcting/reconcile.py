@@ -88,6 +88,13 @@ def news_of(history: History, known: frozenset[int]) -> Corrected:
     return found
 
 
+def corrected_stays(store: Store) -> dict[StayKey, StayKey]:
+    """Return what stays that merges and splits took out of the store are by now."""
+    became = news_of(History.read(store), frozenset()).stays
+    held = {stay.key for stay in store.stays()} if became else set()
+    return {was: becomes for was, becomes in became.items() if was not in held}
+
+
 @dataclass(frozen=True, slots=True)
 class Reconciled:
     """An ingest's writes with people's corrections on top.

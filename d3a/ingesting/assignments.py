@@ -1,8 +1,9 @@
 """What became of each detection, as a file: so that identity can be judged from outside.
 
 While an ingest runs, events go to `FILE.part`, with a mark at each checkpoint; an ingest that goes
-on cuts that file at its checkpoint. At the end entries are followed to their stays. The part goes
-when the file is whole and in its place, so that one of them always tells all that the store has.
+on cuts that file at its checkpoint. At the end entries are followed to their stays, and those to
+what people made of them since, with what each was. The part goes when the file is whole and in its
+place, so that one of them always tells all that the store has.
 """
 
 from __future__ import annotations
@@ -10,14 +11,14 @@ from __future__ import annotations
 import filecmp
 import json
 import os
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import IO
 
 from d3a.ingesting.preparation import LeftOut
 from d3a.model import BadInput, Json
 from d3a.sightings import Event, entry_name
-from d3a.store.base import RecordingRecord
+from d3a.store.base import RecordingRecord, StayKey
 
 UNDECIDED = "not decided: the ingest was stopped before the recording's end"
 
@@ -78,13 +79,16 @@ class AssignmentLog:
         self._write(_end(frames))
         self._sync()
 
-    def finish(self, *, done: bool) -> None:
-        """Write the file of assignments; the part stays while the recording is not done."""
+    def finish(self, became: Mapping[StayKey, StayKey], *, done: bool) -> None:
+        """Write the file of assignments; the part stays while the recording is not done.
+
+        became: what those stays are that people's corrections took out of the store.
+        """
         if self._part is None or self._path is None:
             return
         self._part.flush()
         part = _part_of(self._path)
-        _put(self._path, _resolved(_records(part)))
+        _put(self._path, _corrected(_resolved(_records(part)), became))
         if done:
             part.unlink()
 
@@ -153,10 +157,8 @@ def _told_by(path: Path, had: RecordingRecord) -> list[Json]:
                 raise _refusal(path) from error
             if why == UNDECIDED:
                 raise _refusal(path)
-            became = (
-                {"why": why} if object_id is None else {"entry": entry_name((object_id, place))}
-            )
-            records.append(record | became)
+            entry = None if object_id is None else told.get("was", entry_name((object_id, place)))
+            records.append(record | ({"why": why} if entry is None else {"entry": entry}))
     if len(records) < had.detections:
         raise _refusal(path)
     return [*records, _end(had.frames)]
@@ -187,6 +189,16 @@ def _cut(part: Path, mark: Json) -> bool:
         if end > 0:
             lines.truncate(end)
     return end > 0
+
+
+def _corrected(lines: Iterable[Json], became: Mapping[StayKey, StayKey]) -> Iterable[Json]:
+    """Return lines with the ids and places that people's corrections gave to what they name."""
+    for line in lines:
+        stay = line["object_id"], line["place"]
+        if stay in became:
+            line |= {"object_id": became[stay][0], "place": became[stay][1]}
+            line["was"] = entry_name(stay)  # as it is again once the correction is taken back
+        yield line
 
 
 def _resolved(records: list[Json]) -> Iterable[Json]:

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from d3a import teaching
 from d3a.ingest import ingest
 from d3a.ingesting import assignments
 from d3a.ingesting.assignments import AssignmentLog
@@ -179,6 +180,39 @@ def test_a_whole_file_is_gone_on_with_where_the_recording_grew(tmp_path: Path) -
     assert len(rows) == sum(len(frame.detections or ()) for frame in frames)
     stays = {(stay.object_id, stay.place) for stay in store.stays()}
     assert {(row["object_id"], row["place"]) for row in rows if row["why"] is None} <= stays
+
+
+@pytest.mark.parametrize(
+    ("profile", "stopped_at"), [("default", None), ("default", 20), ("paper", None)]
+)
+@pytest.mark.parametrize("more", [0, 10])
+def test_what_people_made_one_or_two_since_is_told_so(
+    tmp_path: Path, profile: str, more: int, stopped_at: int | None
+) -> None:
+    """Also of rows that were written before they said it, and once it was taken back."""
+    frames, path, store = world(), tmp_path / "out.jsonl", OracleStore()
+
+    def go_on(count: int, most: int | None = None) -> list[dict[str, object]]:
+        given = small(profile)
+        ingest(ListReader(frames[:count]), store, given, max_frames=most, assignments=path)
+        stays = {stay.key for stay in store.stays()}
+        rows = rows_of(path)
+        assert {(row["object_id"], row["place"]) for row in rows if row["why"] is None} <= stays
+        return rows
+
+    before = go_on(20 if stopped_at is None else FRAMES, stopped_at)
+    a, b, *_ = (record.object_id for record in store.objects() if not record.volatile)
+    teaching.merge(store, a, b, force=True)
+    rows = go_on(20 + more)
+    assert {row["row"] for row in rows if row["object_id"] == a} >= {
+        row["row"] for row in before if row["object_id"] in (a, b)
+    }
+    place = store.stays(object_ids=[a])[-1].place
+    new = teaching.split(store, a, place).arguments["new"]
+    rows = go_on(20 + more)
+    assert sum(row["object_id"] == new for row in rows) > 0
+    teaching.undo(store)
+    assert new not in {row["object_id"] for row in go_on(FRAMES)}
 
 
 @pytest.mark.parametrize("cut", ["half a line", "a line less", "undecided", "not ours", "gone"])
