@@ -93,10 +93,11 @@ class Looked:
     def _before(self, place: Place, where: Floats) -> list[Look]:
         """Return the looks that had a place in view from a side that has shown it since."""
         rows = self.rows
-        rows = rows[rows[:, _TIME] < place.first_ms]
+        near = rows[:, _TIME] < place.first_ms
+        for eyes, at in zip(rows[:, _EYE].T, where.tolist(), strict=True):
+            near &= np.abs(eyes - at) <= 2 * LOOK_RANGE_M  # no picture is so wide
+        rows = rows[near]  # few of them: only these are gone through as a whole
         away = where - rows[:, _EYE]
-        near = np.abs(away).max(axis=1, initial=0.0) <= 2 * LOOK_RANGE_M  # no picture is so wide
-        rows, away = rows[near], away[near]
         x, y, z = np.einsum("ni,nij->jn", away, rows[:, _TURN].reshape(-1, 3, 3))
         left, right, top, bottom = rows[:, _EDGES].T
         seen = (z > 0) & (z <= LOOK_RANGE_M)

@@ -168,10 +168,25 @@ class Memory:
         """By number, what left first before."""
         self._touched: set[int] = set()
         """Numbers of the things that came, left or changed since they were taken last."""
+        self._called: dict[str, dict[int, Known]] = {}
+        """The things that were ever called so, by name and number."""
 
     def touch(self, thing: Known) -> None:
         """Note that a thing came, left or was named: its category or place may be another now."""
         self._touched.add(thing.number)
+        for name in thing.votes:
+            called = self._called.setdefault(name, {})
+            if thing.number in self.things:
+                called[thing.number] = thing
+            else:
+                called.pop(thing.number, None)
+
+    def called(self, names: Iterable[str]) -> list[Known]:
+        """Return the things that were ever called by any of some names, by number."""
+        found = {
+            number: thing for name in names for number, thing in self._called.get(name, {}).items()
+        }
+        return [found[number] for number in sorted(found)]
 
     def take_touched(self) -> set[int]:
         """Return the numbers of the things that were touched since the last call."""
@@ -209,7 +224,8 @@ class Memory:
         """Take in again what sleeps under some numbers."""
         woken = [self._asleep.pop(number) for number in numbers]
         self.things |= {each.thing.number: each.thing for each in woken}
-        self._touched.update(each.thing.number for each in woken)
+        for each in woken:
+            self.touch(each.thing)
         self.positions.add([(e.thing, place, row) for e in woken for place, row in e.rows])
         return [each.thing for each in woken]
 

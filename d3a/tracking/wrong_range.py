@@ -51,8 +51,8 @@ class WrongRanges:
         names = {name for thing in seen for name, _ in thing.votes}
         return [
             thing
-            for number, thing in self._memory.things.items()
-            if not names.isdisjoint(thing.votes) and number not in taken and thing.latest.row >= 0
+            for thing in self._memory.called(names)
+            if thing.number not in taken and thing.latest.row >= 0
         ]
 
     def find(

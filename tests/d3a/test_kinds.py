@@ -86,3 +86,22 @@ def test_a_list_is_made_anew_only_where_its_things_are_others_or_elsewhere() -> 
     assert kinds.of("cup") is not before
     assert kinds.of("cup").fresh == [cup]
     assert kinds.of("bowl").lasts == []
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_what_was_ever_called_so_is_found_by_its_names(seed: int) -> None:
+    """Also after things left the memory, came back, or were made others."""
+    memory, rng = Memory(), np.random.default_rng(seed)
+    for number in range(20):
+        _thing(memory, number)
+    for _ in range(60):
+        awake = sorted(memory.things)
+        for number in rng.permutation(awake)[:3].tolist():
+            _change(memory, memory.things[number], rng)
+        if len(awake) > 10:
+            memory.lay([memory.things[number] for number in awake[: int(rng.integers(4))]])
+        asleep = [each.thing.number for each in memory.sleepers()]
+        memory.wake(rng.permutation(asleep)[: int(rng.integers(4))].tolist())
+        for names in ({"cup"}, {"bowl", "mug"}, {"vase"}):
+            things = [thing for _, thing in sorted(memory.things.items())]
+            assert memory.called(names) == [t for t in things if not names.isdisjoint(t.votes)]
