@@ -126,11 +126,15 @@ def _plain(moves: Moves, came: dict[int, float]) -> list[tuple[int, int]]:
         for k, (old, place) in enumerate(kind.lasts)
         if new is not old and place.last_ms < new.first_ms
     }
-    found = []
+    found, row = [], {thing.number: k for k, thing in enumerate(things)}
     for (new, old), own in odds.items():
-        k = next(k for k, thing in enumerate(things) if thing.number == old)
+        k = row[old]
         sure = kind.lasts[k][1].evidence >= LEFT_LEAST or asked.looks[new][k] >= PLAIN_LOOK
-        others = sum(each for (n, o), each in odds.items() if (n == new) != (o == old))
+        others = sum(
+            each * moves._may_be_gone(asked, (things[row[new]], k), (things[row[n]], row[o]))
+            for (n, o), each in odds.items()
+            if (n == new) != (o == old)
+        )
         if sure and kind.lasts[k][1].misses and own / (1 + own + others) >= LEAST:
             found.append((new, old))
     return sorted(found)
