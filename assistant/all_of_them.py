@@ -12,16 +12,8 @@ from datetime import datetime
 from assistant.conditions import condition_words
 from assistant.each import spot_words
 from assistant.english import counted, is_many, number_word, range_of
-from assistant.phrases import (
-    described,
-    heads_of,
-    is_one,
-    last_words,
-    likely_of,
-    said_many,
-    seen_when,
-    term_of,
-)
+from assistant.phrases import described, heads_of, last_words, likely_of, seen_when, term_of
+from assistant.said import is_one, said_many
 from d3a.answer import Answer, RankedKeyframe
 from grammar.forms import ANYTHING, FormalQuery, Select
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from assistant.phrases import is_one
+from assistant.said import is_one
 from d3a.answer import Answer
 from grammar.forms import FormalQuery
 

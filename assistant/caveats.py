@@ -8,15 +8,8 @@ from assistant.amounts import holds
 from assistant.conditions import gathered_words
 from assistant.each import asks_for_each
 from assistant.english import counted, listed, number_word, times
-from assistant.phrases import (
-    at_place,
-    heads_of,
-    likely_of,
-    newest_of,
-    said_many,
-    term_of,
-    theirs,
-)
+from assistant.phrases import at_place, heads_of, likely_of, newest_of, term_of, theirs
+from assistant.said import said_many
 from assistant.wording import how_sure
 from d3a.answer import Answer, RankedKeyframe, is_by_look
 from d3a.answering.match import said_alone

@@ -14,12 +14,12 @@ from assistant.phrases import (
     is_room,
     kind_of,
     numbered,
-    said_many,
     seen_when,
     term_of,
     the_place,
     where_words,
 )
+from assistant.said import said_many
 from assistant.wording import FAIRLY_SURE
 from d3a.answer import Answer, RankedKeyframe
 from grammar.forms import ANYTHING, FormalQuery

@@ -8,7 +8,8 @@ from datetime import datetime
 
 from assistant.conditions import gathered_words
 from assistant.english import is_many, number_word, sentence_case
-from assistant.phrases import likely_of, said_many, seen_when, term_of, where_words
+from assistant.phrases import likely_of, seen_when, term_of, where_words
+from assistant.said import said_many
 from d3a.answer import Answer, RankedKeyframe
 from grammar.forms import FormalQuery
 

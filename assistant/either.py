@@ -8,7 +8,8 @@ from dataclasses import replace
 from assistant.all_of_them import wherever_they_are
 from assistant.conditions import condition_words
 from assistant.english import listed
-from assistant.phrases import asked_place, described, indefinite, is_one, numbered, said_many
+from assistant.phrases import asked_place, described, indefinite, numbered
+from assistant.said import is_one, said_many
 from assistant.several import is_so, without_verdict
 from d3a.answer import Answer
 from grammar.forms import FormalQuery, ObjectTerm

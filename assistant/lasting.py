@@ -6,15 +6,8 @@ from datetime import datetime, timedelta
 
 from assistant.conditions import condition_words
 from assistant.english import ago, clock, counted, day_of, duration, when
-from assistant.phrases import (
-    definite,
-    found_words,
-    last_words,
-    newest_of,
-    said_many,
-    term_of,
-    there_words,
-)
+from assistant.phrases import definite, found_words, last_words, newest_of, term_of, there_words
+from assistant.said import said_many
 from d3a.answer import Answer
 from d3a.answering.distinct import ROUND_GAP_MS
 from grammar.forms import FormalQuery

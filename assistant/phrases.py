@@ -21,6 +21,7 @@ from assistant.english import (
     slice_words,
     when,
 )
+from assistant.said import said_many
 from d3a.answer import Answer, RankedKeyframe
 from d3a.colours import is_colour
 from d3a.rank import LEAST_OF_BEST
@@ -129,28 +130,6 @@ def indefinite(term: ObjectTerm, words: str, *, many: bool = False) -> str:
     return words if many and not is_many(words) else article(words)
 
 
-def said_many(query: FormalQuery, term: ObjectTerm) -> bool:
-    """Whether a noun was said in the plural, or has no singular: keys, scissors.
-
-    The query holds the singular alone; the question's own words tell the rest.
-    """
-    if is_many(term.word):
-        return True
-    words = ["".join(ch for ch in w if ch.isalnum() or ch in "'-") for w in query.text.split()]
-    words = [w.lower().removesuffix("'s") for w in words]
-    length = len(term.word.split())
-    windows = (" ".join(words[i : i + length]) for i in range(len(words) - length + 1))
-    return any(w != term.word and vocabulary.singular(w) == term.word for w in windows)
-
-
-def is_one(query: FormalQuery) -> bool:
-    """Whether the first object was said as one that is known: the wallet, my keys, Anna's cup."""
-    term = term_of(query)
-    nouns = "|".join(map(re.escape, (term.word, plural(term.word))))
-    said = rf"\bthe\s+([\w'-]+\s+){{0,{len(term.attributes)}}}({nouns})\b"
-    return term.owner is not None or re.search(said, query.text.casefold()) is not None
-
-
 def kind_of(keyframe: RankedKeyframe) -> str:
     """Return what a keyframe's object is called: the vocabulary's word for its category."""
     return vocabulary.canonical(keyframe.category)
@@ -217,12 +196,6 @@ def numbered(
 def plain_place(name: str) -> str:
     """Return the name of a place in small letters, without "my" before it."""
     return name.casefold().removeprefix("my ").removeprefix("our ").removeprefix("the ")
-
-
-def looking_into(answer: Answer, query: FormalQuery) -> str:
-    """Return the room that was looked into: " in the kitchen"; "" where none was asked for."""
-    told = query.place and not query.outside and not answer.unjudged
-    return f" {asked_place(query, query.place)}" if query.place and told else ""
 
 
 def is_room(name: str) -> bool:
@@ -303,14 +276,6 @@ def _is_named(landmark: str, query: FormalQuery) -> bool:
     kinds = {landmark, *vocabulary.broader(landmark)}
     heads = (word for t in query.objects[1:] for word in (t.category, t.word.rpartition(" ")[2]))
     return relations and any(word in kinds for word in heads)  # a kitchen table is a table
-
-
-def nowhere_words(keyframe: RankedKeyframe) -> str:
-    """Return that a place has no name, with its coordinates where it has any."""
-    if keyframe.position is None:
-        return "I do not know the place"
-    x, y, _ = keyframe.position
-    return f"I have no name for the place (x {x:.1f}, y {y:.1f} on the map)"
 
 
 def heads_of(answer: Answer) -> list[RankedKeyframe]:

@@ -23,17 +23,15 @@ from assistant.phrases import (
     described,
     gone_words,
     indefinite,
-    is_one,
     kind_of,
-    looking_into,
     noun_of,
     numbered,
-    said_many,
     term_of,
     theirs,
     there_words,
 )
-from assistant.then import around_words
+from assistant.said import is_one, said_many
+from assistant.then import around_words, looking_into
 from d3a.answer import Answer, RankedKeyframe
 from d3a.answering.points import edge_of
 from grammar import vocabulary

@@ -38,16 +38,13 @@ from assistant.phrases import (
     gone_words,
     heads_of,
     indefinite,
-    is_one,
     kind_of,
     kinds_of_broad,
     last_words,
     likely_of,
     newest_of,
-    nowhere_words,
     numbered,
     places_of,
-    said_many,
     seen_when,
     tells_nothing,
     term_of,
@@ -56,6 +53,7 @@ from assistant.phrases import (
 )
 from assistant.polarity import asks_of_an_end
 from assistant.refusals import refusal_words
+from assistant.said import is_one, said_many
 from assistant.tense import chooses_a_sighting, stood_then
 from assistant.then import where_then, whether_then
 from assistant.usually import often_words, usual_verdict, usual_words
@@ -188,10 +186,18 @@ def _where(answer: Answer, query: FormalQuery, now: datetime) -> str:
         told = f"{sentence_case(where)}. I {last}{first}saw {words} there {seen_when(best, now)}."
     else:
         known = best.place or best.near  # named by the question, and so not told again
-        blank = "" if known else f", but {nowhere_words(best)}"
+        blank = "" if known else f", but {_nowhere_words(best)}"
         told = f"I {last}{first}saw {words} {seen_when(best, now)}{blank}."
     told += _elsewhere_too(answer, query) if query.select == "all" and not since else ""
     return f"{gone} {told}".strip()
+
+
+def _nowhere_words(keyframe: RankedKeyframe) -> str:
+    """Return that a place has no name, with its coordinates where it has any."""
+    if keyframe.position is None:
+        return "I do not know the place"
+    x, y, _ = keyframe.position
+    return f"I have no name for the place (x {x:.1f}, y {y:.1f} on the map)"
 
 
 def _elsewhere_too(answer: Answer, query: FormalQuery) -> str:

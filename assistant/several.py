@@ -7,7 +7,8 @@ from dataclasses import replace
 
 from assistant.amounts import holds
 from assistant.english import listed
-from assistant.phrases import definite, indefinite, is_one, numbered, said_many, term_of
+from assistant.phrases import definite, indefinite, numbered, term_of
+from assistant.said import is_one, said_many
 from assistant.wording import is_sure
 from d3a.answer import Answer
 from grammar.forms import FormalQuery, ObjectTerm

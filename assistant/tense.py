@@ -6,7 +6,8 @@ import re
 from dataclasses import replace
 from itertools import pairwise
 
-from assistant.phrases import is_one, likely_of, newest_of
+from assistant.phrases import likely_of, newest_of
+from assistant.said import is_one
 from d3a.answer import Answer, RankedKeyframe
 from d3a.parameters import Parameters
 from d3a.plan import Lasting, Plan, Precision, plan

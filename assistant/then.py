@@ -7,17 +7,16 @@ from datetime import datetime
 from assistant.conditions import condition_words
 from assistant.english import sentence_case, slice_words, when
 from assistant.phrases import (
+    asked_place,
     definite,
     found_words,
     indefinite,
-    is_one,
     likely_of,
-    looking_into,
-    said_many,
     term_of,
     there_words,
     where_words,
 )
+from assistant.said import is_one, said_many
 from d3a.answer import Answer, RankedKeyframe
 from d3a.answering.points import MINUTE
 from grammar.forms import FormalQuery, TimeSlice
@@ -92,6 +91,12 @@ def around_words(
     if keyframe.end < at:
         return f"I had last seen {thing} {when(keyframe.end, now)}{there}."
     return f"I next saw {thing} {when(keyframe.start, now)}{there}."
+
+
+def looking_into(answer: Answer, query: FormalQuery) -> str:
+    """Return the room that was looked into: " in the kitchen"; "" where none was asked for."""
+    told = query.place and not query.outside and not answer.unjudged
+    return f" {asked_place(query, query.place)}" if query.place and told else ""
 
 
 def _is_during(keyframe: RankedKeyframe, at: datetime) -> bool:

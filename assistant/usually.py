@@ -18,9 +18,9 @@ from assistant.phrases import (
     indefinite,
     kind_of,
     left_with,
-    said_many,
     term_of,
 )
+from assistant.said import said_many
 from assistant.wording import NOT_SURE
 from d3a.answer import Answer, RankedKeyframe
 from grammar.forms import ANYTHING, FormalQuery, ObjectTerm

@@ -5,7 +5,8 @@ from __future__ import annotations
 import re
 
 from assistant.english import listed
-from assistant.phrases import numbered, said_many, term_of, theirs
+from assistant.phrases import numbered, term_of, theirs
+from assistant.said import said_many
 from d3a.answer import Answer
 from d3a.answering.facts import Facts
 from d3a.answering.match import squash
