@@ -304,9 +304,11 @@ def _rank(run: Run, step: Rank) -> None:
     if any(isinstance(one, JudgeAttributes) and one.doubts for one in run.steps):
         moments = without_miscalled(run, moments)
     moments = run.without_mere_doubts(moments)
+    # of more than are told the newest are: when it was last seen so is said beside their number
+    is_number = run.query.ask in ("how_often", "how_long") and len(moments) > run.limit
     run.ranked = rank(
         moments,
-        step.select,
+        "last" if is_number and step.select == "all" else step.select,
         spread=step.spread,
         unjudged=len(run.unjudged),
         at_ms=milliseconds(step.at),

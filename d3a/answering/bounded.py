@@ -56,21 +56,32 @@ def find_joined(run: Run, step: FindSightings) -> None:
     """Find the sightings of a step that others are joined with, or that are counted.
 
     Of a relation at any time no more of a thing are joined than `MOST_JOINED`: all of its things
-    are looked for from then on. What is counted is read whole.
+    are looked for from then on, or until then where the first is asked for. What is counted is
+    read whole.
     """
     table = run.found[step.var]
     start, end = milliseconds(step.start), milliseconds(step.end)
     counted = run.query.ask in ("count", "how_long", "how_often")
     joins = run.query.relation is not None or any(isinstance(s, Gather) for s in run.steps)
     if joins and start is None and end is None and not counted:
-        for var in run.found.keys() - run.reached:
-            reach = run.facts.reach(run.found[var].ids, MOST_JOINED)
-            if reach is not None:
-                run.cut = True
-                run.since_ms = max(run.since_ms, reach)
-        run.reached |= run.found.keys()
+        _reach(run, oldest=run.query.select == "first")
         start = run.since_ms or None
+        end = None if run.until_ms is None else run.until_ms + 1
     table.sightings = run.facts.sightings(table.ids, start, end)
+
+
+def _reach(run: Run, *, oldest: bool) -> None:
+    """Note from when on, or until when, the things found so far are joined."""
+    for var in run.found.keys() - run.reached:
+        reach = run.facts.reach(run.found[var].ids, MOST_JOINED, oldest=oldest)
+        if reach is None:
+            continue
+        run.cut = True
+        if oldest:
+            run.until_ms = reach if run.until_ms is None else min(run.until_ms, reach)
+        else:
+            run.since_ms = max(run.since_ms, reach)
+    run.reached |= run.found.keys()
 
 
 def finds_stays_late(run: Run) -> bool:
@@ -89,14 +100,17 @@ def finds_stays_late(run: Run) -> bool:
     return all(run.found[var].candidates for var in relate.vars)
 
 
-def keep_since(run: Run, tables: Sequence[Found]) -> None:
-    """Drop what was seen before the time from which a relation is looked for.
+def keep_reached(run: Run, tables: Sequence[Found]) -> None:
+    """Drop what was seen before the time from which a relation is looked for, or after its end.
 
     What describes a thing may have moved that time on, after the thing was found.
     """
     if run.since_ms:
         for table in tables:
             table.sightings = [s for s in table.sightings if s.end_ms >= run.since_ms]
+    if run.until_ms is not None:
+        for table in tables:
+            table.sightings = [s for s in table.sightings if s.start_ms <= run.until_ms]
 
 
 def _tiers(table: Found, shares: tuple[float, ...]) -> list[list[str]]:

@@ -198,12 +198,12 @@ class Facts:
             known[stay.object_id, stay.place] = stay
         return {key: known[key] for key in keys if key in known}
 
-    def reach(self, ids: Sequence[str], count: int) -> int | None:
-        """Return the start of the count-th newest sighting, see `Store.reach`."""
+    def reach(self, ids: Sequence[str], count: int, *, oldest: bool = False) -> int | None:
+        """Return the start of the count-th newest (or oldest) sighting, see `Store.reach`."""
         known = self._known.sightings
         if all(name in known for name in ids) and sum(len(known[name]) for name in ids) < count:
             return None
-        return self.store.reach(ids, count)
+        return self.store.reach(ids, count, oldest=oldest)
 
     def newest(
         self,

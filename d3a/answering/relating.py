@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Collection, Mapping, Sequence
 from itertools import combinations_with_replacement, count
 
-from d3a.answering.bounded import finds_stays_late, keep_since
+from d3a.answering.bounded import finds_stays_late, keep_reached
 from d3a.answering.gathering import Ties, gathered, of_two_things, scattered
 from d3a.answering.joined import (
     between_moments,
@@ -36,7 +36,7 @@ from d3a.store.base import Encounter, Sighting, StayKey
 def relate_found(run: Run, step: Relate) -> None:
     """Join what was found for the variables of a step where its relation holds, or does not."""
     tables = [run.found[var] for var in step.vars]
-    keep_since(run, tables)
+    keep_reached(run, tables)
     figure, grounds = tables[0], tables[1:]
     absent = [i for i, ground in enumerate(grounds) if not ground.candidates]
     if absent and step.kind != "together":
@@ -209,7 +209,7 @@ def gather(run: Run, step: Gather) -> None:
     What was together is told as so many; of the most that were together, as many as there were.
     """
     tables = [run.found[var] for var in step.vars]
-    keep_since(run, tables)
+    keep_reached(run, tables)
     run.moments = []
     if not all(table.candidates for table in tables):
         return

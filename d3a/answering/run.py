@@ -45,11 +45,12 @@ class Run:
     was read; counted: of how many objects there are some; surely: how many of them must be
     different things, where that is too many; figures: how many of a moment's entries are what is
     asked for, more than one of things that were together; stretches: from when to when they were
-    so, where that is asked; doubted: what was so and may be elsewhere by now; since_ms: from when
-    on a relation was looked for, as the variables `reached` allow. spans: by variable, all
-    sightings that count, where those that were found are a choice of them; newest_alone: the
-    variables of which each object's newest sighting was found and no other; many: those of which
-    not all stays are read; unplaced: of these those that nobody knows a place of.
+    so, where that is asked; doubted: what was so and may be elsewhere by now; since_ms,
+    until_ms: from when on or until when a relation was looked for, as the variables `reached`
+    allow. spans: by variable, all sightings that count, where those that were found are a choice
+    of them; newest_alone: the variables of which each object's newest sighting was found and no
+    other; many: those of which not all stays are read; unplaced: of these those that nobody
+    knows a place of.
     """
 
     query: FormalQuery
@@ -81,6 +82,7 @@ class Run:
     surely: int = 0
     figures: int = 1
     since_ms: int = 0
+    until_ms: int | None = None
     reached: set[str] = field(default_factory=set)
     spans: dict[str, Spans] = field(default_factory=dict)
     newest_alone: set[str] = field(default_factory=set)

@@ -111,6 +111,9 @@ def _why(run: Run, step: ExplainEmpty, var: str) -> None:
             _say_which(run, name)
             return
     sifted = run.before_relation.get(var) or run.before_place.get(var)
+    if sifted and run.until_ms is not None:  # these are the oldest, what is told is the newest
+        sifted = run.store.edges(table.ids, "last")
+        table.stays |= run.facts.stays_of(sifted)
     outside = [] if sifted else _outside(run, step, var)
     if sifted or outside:
         run.reason = "not_there" if sifted else "not_then"

@@ -265,8 +265,8 @@ class Store(Protocol):
         """
         ...
 
-    def reach(self, object_ids: Sequence[str], count: int) -> int | None:
-        """Return the start of the count-th newest sighting of any of the objects.
+    def reach(self, object_ids: Sequence[str], count: int, *, oldest: bool = False) -> int | None:
+        """Return the start of the count-th newest (or oldest) sighting of any of the objects.
 
         None where there are not so many. Newest: by start.
         """

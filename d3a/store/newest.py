@@ -79,10 +79,12 @@ class ByReading:
         found = self.sightings(object_ids=object_ids, start_ms=start_ms, end_ms=end_ms)
         return newest_of(found, limit, oldest=oldest)
 
-    def reach(self: _Reader, object_ids: Sequence[str], count: int) -> int | None:
-        """Return the start of the count-th newest sighting of any of the objects."""
+    def reach(
+        self: _Reader, object_ids: Sequence[str], count: int, *, oldest: bool = False
+    ) -> int | None:
+        """Return the start of the count-th newest (or oldest) sighting of any of the objects."""
         found = self.sightings(object_ids=object_ids)
-        return found[-count].start_ms if len(found) >= count else None
+        return found[count - 1 if oldest else -count].start_ms if len(found) >= count else None
 
     def count_seen(
         self: _Reader,

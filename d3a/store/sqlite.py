@@ -278,11 +278,10 @@ class SqliteStore:
         asked = Newest(object_ids, limit, start_ms, end_ms, oldest=oldest)
         return [sighting_record(row) for row in self._stay_rows.kept(asked.read(self._rows))]
 
-    def reach(self, object_ids: Sequence[str], count: int) -> int | None:
-        """Return the start of the count-th newest sighting of any of the objects."""
-        select = sqlite_read.starts(object_ids)
-        text = f"{select.text()} LIMIT 1 OFFSET :before"
-        rows = self._rows(text, {**select.parameters, "before": count - 1})
+    def reach(self, object_ids: Sequence[str], count: int, *, oldest: bool = False) -> int | None:
+        """Return the start of the count-th newest (or oldest) sighting of any of the objects."""
+        select = sqlite_read.starts(object_ids, count - 1, oldest=oldest)
+        rows = self._rows(select.text(), select.parameters)
         return int(rows[0][0]) if rows else None
 
     def count_seen(

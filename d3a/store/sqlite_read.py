@@ -321,10 +321,11 @@ def seen_within(object_ids: Sequence[str], start_ms: int, end_ms: int) -> Select
     return Select("count(*)", both, "", [], within.parameters)
 
 
-def starts(object_ids: Sequence[str]) -> Select:
-    """Return the query of `Store.reach`: from an index alone."""
-    select = Select("s.start_ms", "sighting s INDEXED BY sighting_object_start", "s.start_ms DESC")
-    select.where(among("s.object_id", "ids"), ids=as_list(object_ids))
+def starts(object_ids: Sequence[str], before: int, *, oldest: bool) -> Select:
+    """Return the query of `Store.reach`: from an index alone. before: so many come before it."""
+    order = f"s.start_ms {'' if oldest else 'DESC'} LIMIT 1 OFFSET :before"
+    select = Select("s.start_ms", "sighting s INDEXED BY sighting_object_start", order)
+    select.where(among("s.object_id", "ids"), ids=as_list(object_ids), before=before)
     return select
 
 

@@ -241,6 +241,40 @@ def test_a_relation_is_looked_for_from_when_on_all_of_its_things_are_read(
     assert whole.keyframes == answer.keyframes
 
 
+def test_the_first_time_of_a_relation_is_looked_for_from_the_oldest_on(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    home = Home()
+    for name in ("cup", "bowl"):
+        home.thing(name, name)
+        for minute in range(-60, 0):
+            home.seen(name, minute, minute + 0.2, at=(1.0, 1.0, 0.0))
+    home.met("bowl", "cup", -49.9)
+    home.met("bowl", "cup", -9.9)
+    said = "When did you first see a bowl with a cup?"
+    whole = told(home.into(OracleStore()), said)
+    monkeypatch.setattr(bounded, "MOST_JOINED", 20)
+    monkeypatch.setattr(facts, "FEW_SIGHTINGS", 1)  # it is not a home of few things
+    cut = told(home.into(OracleStore()), said)
+    assert cut.truncated
+    assert cut.keyframes[0].start == whole.keyframes[0].start
+    assert cut.answer.split(". ")[0] == whole.answer.split(". ")[0]
+
+
+def test_beside_the_number_of_times_stands_the_newest_of_them() -> None:
+    home = Home()
+    for name in ("cup", "bowl"):
+        home.thing(name, name)
+        for minute in range(-60, 0):
+            worse = 0.9 if minute < -10 else 0.6
+            home.seen(name, minute, minute + 0.2, at=(1.0, 1.0, 0.0), probability=worse)
+    said = "How often was the bowl with the cup?"
+    store = home.into(OracleStore())
+    few, many = (ask(store, said, now=NOW, limit=limit).keyframes for limit in (4, 500))
+    newest = max(keyframe.end for keyframe in many)
+    assert max(keyframe.end for keyframe in few) == newest
+
+
 def test_what_was_seen_without_the_other_is_told_where_it_was(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

@@ -251,6 +251,7 @@ def questions(draw: st.DrawFn) -> Question:
         lambda s: s.newest(among or IDS, most, oldest=which == "first", **span),
         lambda s: s.newest(IDS, most, oldest=which == "first"),
         lambda s: s.reach(among or IDS, most),
+        lambda s: s.reach(among or IDS, most, oldest=True),
         lambda s: s.count_seen(among or IDS, **span),
         lambda s: s.stays_at([(name, place) for name in among or IDS for place in (0, 2)]),
         lambda s: columns(s.spans(among or IDS, area=area, limit=limit, **span)),

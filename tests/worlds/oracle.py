@@ -270,9 +270,9 @@ class OracleStore:
                 found.append(record)
         return sorted(found, key=lambda r: (r.start_ms, *r.stay))
 
-    def reach(self, object_ids: Sequence[str], count: int) -> int | None:
+    def reach(self, object_ids: Sequence[str], count: int, *, oldest: bool = False) -> int | None:
         starts = [record.start_ms for record in self.sightings(object_ids=object_ids)]
-        return sorted(starts, reverse=True)[count - 1] if len(starts) >= count else None
+        return sorted(starts, reverse=not oldest)[count - 1] if len(starts) >= count else None
 
     def count_seen(
         self,
