@@ -222,8 +222,9 @@ class Moves:
         """Return how likely a pair is a move, and no rival is."""
         own = self._odds(asked, *pair, came)
         against = sum(
-            self._odds(asked, *each, others_came) * self._may_be_gone(asked, pair, each)
+            odds * self._may_be_gone(asked, pair, each)
             for each in rivals
+            if (odds := self._odds(asked, *each, others_came)) > 0.0
         )
         return own / (1.0 + own + against)
 
