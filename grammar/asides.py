@@ -50,6 +50,24 @@ def without_asides(spoken: list[list[Word]], lexicon: Lexicon) -> Iterator[list[
             yield [part or words for part, words in zip(tried, spoken, strict=True)]
 
 
+def without_pauses(words: list[Word]) -> Iterator[list[Word]]:
+    """Yield the words without those that fill a pause, then without the pauses too.
+
+    They may be meant, at the end (how is it like) or where they stand first.
+    """
+    kept = words
+    for filling in (_FILLING, _PAUSES):
+        inner = (w for w in kept[1:-1] if w.text not in filling)
+        thinned = [*kept[:1], *inner, *kept[1:][-1:]]
+        if len(thinned) < len(kept):
+            yield thinned
+        kept = thinned
+
+
+_FILLING = words_of("like well okay ok so right just")
+_PAUSES = frozenset((",",))
+
+
 def _called(words: list[Word], lexicon: Lexicon) -> Iterator[list[Word]]:
     """Yield the question before which somebody is called: mommy where is my doll."""
     texts = [w.text for w in words]

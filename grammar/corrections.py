@@ -46,6 +46,7 @@ def _without_commas(before: list[Word], after: list[Word]) -> tuple[list[Word], 
 _AFTER_NO = words_of(
     "longer one more other later earlier sooner less rush hurry worries problem matter idea clue"
 )
+_DENYING = words_of("there is are was were")
 HESITATING = words_of("er erm uh uhh um umm uhm hm hmm well")
 """Between commas these correct a like thing said before them, and else say nothing."""
 _MARKING_AFTER = ("i mean", "i meant", "rather", "sorry", "i should say")
@@ -106,6 +107,10 @@ def _corrects(words: list[Word], i: int, count: int) -> bool:
             or _kind(before, None) is not None
             or before in ("on", "in", "the", "my", "under")
         )
+    if said == "not":  # the mirror that is not that is not round
+        return before == "," or is_open(before)
+    if said == "no" and before in _DENYING and words[i + 1].text == "no":
+        return False  # is there no no lamp
     if said == "actually" and count == 1:
         return _said_anew(words[:i], words[i + 1 :])
     if said in ("rather", "make", "wait", "actually", "sorry"):

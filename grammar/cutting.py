@@ -12,12 +12,17 @@ from grammar.sayings import AUXILIARIES, QUESTION_STARTS, QUESTION_WORDS, sectio
 from grammar.words import Word
 
 _ENDS = frozenset("?!.;")
+_UMS = words_of("er erm uh uhh um umm uhm hm hmm")
+"""What is heard where no word was found; after a pause it may mend what was said."""
 _TITLES = ("mr", "mrs", "ms", "dr", "prof", "st")
 _ABBREVIATIONS = frozenset((*tw.MONTH_SHORT, *tw.WEEKDAY_SHORT))
 
 
 def sentences(words: list[Word]) -> list[list[Word]]:
     """Cut the words at full stops and question marks; the dot of `oct.` is no full stop."""
+    words = [
+        w for i, w in enumerate(words) if w.text not in _UMS or (i and words[i - 1].text == ",")
+    ]
     found: list[list[Word]] = [[]]
     for i, word in enumerate(words):
         if word.text == "." and i and _dotted(words, i):

@@ -72,6 +72,9 @@ def read(
         for said, slips in respelling.respelled(found, spelling.known(words), corrections):
             with suppress(QuestionError):
                 return meaning(reading, _plain(said, lex)), slips
+        for said in asides.without_pauses(found):
+            with suppress(QuestionError):
+                return meaning(reading, _plain(said, lex)), corrections
         for parts in asides.without_asides(_plain(found, lex), lex):
             with suppress(QuestionError):
                 return meaning(reading, _opened(parts, lex)), corrections

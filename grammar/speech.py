@@ -22,7 +22,10 @@ SEEK = "<seek>"
 
 def plain(words: list[Word], lexicon: Lexicon) -> list[Word]:
     """Return the words of one sentence without what changes nothing."""
-    words = _joined(_counting(_heard(_without_fillers(words)), lexicon), lexicon)
+    said = _without_fillers(_unpaused(words))
+    if 0 < len(said) < len(words):
+        said = _without_fillers(said)  # by any um chance
+    words = _joined(_counting(_heard(said), lexicon), lexicon)
     words = _owning(_unowned(_short_of_is(words), lexicon), lexicon)
     words = corrected(words, lexicon)
     words = stutters.without_stutters(words, lexicon)
@@ -178,6 +181,22 @@ def _unowned(words: list[Word], lexicon: Lexicon) -> list[Word]:
     return words
 
 
+def _unpaused(words: list[Word]) -> list[Word]:
+    """Take out a pause where none parts anything: where... is my inhaler, on the... shelf."""
+    return [
+        word
+        for i, word in enumerate(words)
+        if word.text != "," or not i or words[i - 1].text not in _GOING_ON
+    ]
+
+
+_GOING_ON = (LEADING - words_of("her that this these those")) | words_of(
+    "is are was were do does did have has you on in under near behind with to of at from where "
+    "when how beside inside between and"
+)
+"""After these words a sentence goes on, whatever pause is made."""
+
+
 def _without_fillers(words: list[Word]) -> list[Word]:
     fillers = sections()["filler"]
     kept: list[Word] = []
@@ -202,19 +221,26 @@ def _no_filler(words: list[Word], i: int, count: int, kept: list[Word]) -> bool:
     if words[i].text == "mm":
         return before.isdecimal() or before in numbers.CARDINALS  # the 10 mm socket
     if words[i].text == "like":
-        named = i + 1 < len(words) and words[i + 1].text in LEADING
+        following = words[i + 1].text if i + 1 < len(words) else ""
+        if following in phrases().verbs and before in ("you", "i", "we", *AUXILIARIES):
+            return False  # did you like see it
+        named = following in LEADING
         return before not in _BEFORE_LIKE and not (named and before in _LEAVING)
     if words[i].text in ("oh", "o"):
         return before in numbers.CARDINALS
     if words[i].text == "you":
         following = words[i + count].text if i + count < len(words) else ""
-        return before in (*AUXILIARIES, "would", "if") or following in (*QUESTION_WORDS, "if")
+        return before in _KNOWING or following in (*QUESTION_WORDS, "if")
     return False
 
 
+_KNOWING = words_of("do does did can could should will would might must may if")
+"""After these `you know` is asked or told in earnest."""
 _BEFORE_LIKE = (
     "",
     *words_of("so ok okay well where when is are was were there at around by in on for and to"),
+    *words_of("my your our the under near behind with beside inside list"),
+    *words_of("between since until after before during from"),
 )
 """After these `like` says nothing: `where is like my cup`, `at like three`."""
 _LEAVING = words_of("put leave left find found see seen saw lose lost spot keep store kept")
