@@ -65,7 +65,9 @@ def some_of_them_words(there: Answer, whole: Answer, query: FormalQuery, now: da
     told = f"I {verb} {number} of {all_of}{condition_words(there, query)}, "
     told += f"{last_words(there, query, now).removeprefix('last ')}."
     verdict = "Some of them were, as far as I saw: " if query.negated else "Not all of them. "
-    return f"{verdict}{told}{_others(whole, [*newest.values()], now)}"
+    others = sorted(newest.values(), key=lambda k: (k.last, -k.rank), reverse=True)
+    certain = others[: whole.least - there.least]  # the rest may be one of those told
+    return f"{verdict}{told}{_others(whole, certain, now)}"
 
 
 def _others(whole: Answer, elsewhere: Sequence[RankedKeyframe], now: datetime) -> str:
@@ -75,8 +77,7 @@ def _others(whole: Answer, elsewhere: Sequence[RankedKeyframe], now: datetime) -
     if len(elsewhere) == 1:
         (only,) = elsewhere
         return f" One I saw {spot_words(only, query)}, {seen_when(only, now)}."
-    newest = sorted(elsewhere, key=lambda k: k.last, reverse=True)
-    spots = list(dict.fromkeys(spot_words(keyframe, query) for keyframe in newest))
+    spots = list(dict.fromkeys(spot_words(keyframe, query) for keyframe in elsewhere))
     rest = len(spots) - _TOLD
     told = spots[:_TOLD] if rest > 1 else spots
     more = [f"at {number_word(rest)} other places"] if rest > 1 else []

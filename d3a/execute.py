@@ -55,8 +55,8 @@ from d3a.plan import (
     numbers_unjudged,
 )
 from d3a.rank import rank
-from d3a.store.base import StayRecord, Store
-from grammar.forms import ANYTHING
+from d3a.store.base import Region, StayRecord, Store
+from grammar.forms import ANYTHING, VARIABLES
 
 
 def execute(
@@ -143,14 +143,17 @@ def _find_objects(run: Run, step: FindObjects) -> None:
         within, known_within = _candidates(run, asked, looks=looks)
         region = run.region(room)
         assert region is not None
-        run.rooms[step.var] = region
         run.plain[step.var] = {c.record.object_id: c for c in found}
         best = dict(run.plain[step.var])
         for candidate in within:
             other = best.get(candidate.record.object_id)
             if other is None or other.match < candidate.match:
                 best[candidate.record.object_id] = candidate
-        found, known = [best[name] for name in sorted(best)], known or known_within
+        merged, known = [best[name] for name in sorted(best)], known or known_within
+        if not {"/", "-"}.isdisjoint(step.var) or run.term(step.var).or_else:
+            found = _in_region(run, region, merged) or found
+        else:
+            run.rooms[step.var], found = region, merged
     elif " " in step.word:
         worth = rungs(step, run.facts.categories(), run.lexicon)
         if words := unheard(step, found, worth, run.lexicon):
@@ -159,7 +162,7 @@ def _find_objects(run: Run, step: FindObjects) -> None:
     table = Found({c.record.object_id: c for c in found})
     table.known = known
     run.found[step.var] = table
-    listed = run.query.ask in ("what", "count") and step.var == run.query.objects[0].var
+    listed = run.query.ask in ("what", "count") and step.var == VARIABLES[0]
     one = not listed and step.category != ANYTHING
     told = step.owner in ("me", "you") and one
     left_out = "-" in step.var  # whose they are is said of what is left out, see `leave_out`
@@ -167,6 +170,14 @@ def _find_objects(run: Run, step: FindObjects) -> None:
         mine = any(n.owner == step.owner for c in found for n in c.record.names)
         if not mine:
             run.leave_out(said_alone(step.owner))
+
+
+def _in_region(run: Run, region: Region, found: list[Candidate]) -> list[Candidate]:
+    """Return what was ever in a room: the table of the kitchen, where the desk will do as well."""
+    stays = list(run.facts.stays([c.record.object_id for c in found]).values())
+    inside = probability_inside(region, stays)
+    held = {stay.object_id for stay, p in zip(stays, inside, strict=True) if p >= 0.5}
+    return [candidate for candidate in found if candidate.record.object_id in held]
 
 
 def _not_theirs(run: Run, step: FindObjects, found: list[Candidate]) -> list[Candidate]:

@@ -235,7 +235,7 @@ def _sighting_steps(
         told = query.select if _tells_sightings(query, term) else None
         steps.append(FindSightings(var, time.start, time.end, told))
     steps.append(FindStays(var))
-    if " " in term.word:
+    if " " in term.word and not term.or_else:  # of several each is looked for in its own room
         steps.append(KeepInRoom(var))
     if point is not None:
         steps.append(DropGone(var, point))

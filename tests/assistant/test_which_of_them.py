@@ -157,3 +157,21 @@ def test_exactly_so_many_together_and_at_most(home: Home) -> None:
         assert said.startswith("No. I saw three cups together today"), bound
     assert told(home, "Were exactly four cups together?").startswith("I did not see four cups")
     assert told(home, "Were at most four cups together?").startswith("That is right. I did not")
+
+
+def test_one_place_or_another_is_each_in_its_own_room(home: Home) -> None:
+    """The table of the hall is none of the kitchen's."""
+    home.thing("hall table", "table")
+    home.seen("hall table", 60, 70, at=(6, 1, 0.7), box=TABLE)
+    home.thing("shelf", "shelf")
+    home.seen("shelf", 60, 70, at=(2, 2, 0.7))
+    home.seen("one", 60, 70, at=(6, 1, 0.8), place=1, box=THINGS)
+    home.met("one", "hall table", 60, 70, boxes=(THINGS, TABLE))
+    for question in ("Is the red book on the kitchen table or the shelf?",
+                     "Is the red book on the shelf or the kitchen table?"):  # fmt: skip
+        assert told(home, question).startswith("No, not any more."), question
+    assert told(home, "Is the red book on the shelf or the hall table?").startswith(
+        "Yes, on the hall table."
+    )
+    said = told(home, "Are the books in the kitchen?")
+    assert said.startswith("Not all of them. I last saw one of the three books in the kitchen")
