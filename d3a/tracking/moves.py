@@ -42,6 +42,8 @@ LOOK_LEAST = -1.0
 PLAIN_LOOK, LEFT_LEAST = 3.0, 2.5
 """A look whose log-odds tell a thing from all others of its category; and log-odds of its absence
 from which a thing may be elsewhere, whatever it looks like. A link needs one of them."""
+TAKEN_SIGMAS = 1.0
+"""What is no farther from a thing, by what is known of both places, may be that thing."""
 MORE_SEEN, MORE_GONE = 1.1, 0.25
 """A pair that was no plain move is asked again when what turned up was seen so many times as often,
 or the place that was left has so much more evidence: in between little is known that could tell."""
@@ -214,7 +216,28 @@ class Moves:
             return asked.arrivals[thing.number]
 
         chance = self._chance(asked, (new, k), rivals, came, came)
-        return Link(old, new, chance) if chance >= least else None
+        return Link(old, new, chance) if chance >= least and not self._is_taken(new) else None
+
+    def _is_taken(self, new: Known) -> bool:
+        """Say whether what turned up is most likely a view of what stands there.
+
+        Something better known was there before and was seen there since, and never in one frame
+        with it: a thing that is named wrongly now and then.
+        """
+        positions, row = self._memory.positions, new.places[0].row
+        if row < 0:
+            return False
+        away = positions.spots[1:] - positions.spots[1:, row, None]
+        away *= away
+        away /= positions.variance + positions.variance[:, row, None]
+        near = np.add.reduce(away, axis=0) <= TAKEN_SIGMAS**2
+        there = (positions.owners[each] for each in near.nonzero()[0].tolist())
+        return any(
+            place.first_ms < new.first_ms <= place.last_ms
+            and thing.seen > new.seen
+            and thing.number not in new.met
+            for thing, place in there
+        )
 
     def _chance(
         self, asked: Asked, pair: Pair, rivals: list[Pair], came: Came, others_came: Came
