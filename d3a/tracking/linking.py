@@ -55,7 +55,8 @@ def _merge(old: Known, new: Known, memory: Memory, parameters: Parameters) -> No
     old.dirty = True
     look = memory.looks.of(new)
     if look is not None:
-        memory.looks.blend(old, look, new.look_weight, parameters.looks_remembered)
+        most = parameters.looks_remembered
+        memory.looks.blend(old, look, new.look_weight, new.look_ms, most)
     old.met |= new.met
     old.places.append(place)
     if place.row >= 0:

@@ -23,7 +23,7 @@ def drill(memory: Memory, number: int, look: list[float], place: Place) -> Known
     thing = Known(number, {"drill": 1.0}, place.first_ms, place.last_ms, seen=9)
     thing.places.append(place)
     memory.add(thing)
-    memory.looks.put(thing, np.array(look, dtype=np.float32), 9.0)
+    memory.looks.put(thing, np.array(look, dtype=np.float32), 9.0, thing.last_ms)
     return thing
 
 
