@@ -62,7 +62,7 @@ def standing(memory: Memory, number: int, category: str, place: Place, x: float)
     thing = Known(number, {category: 1.0}, place.first_ms, place.last_ms, seen=place.seen)
     thing.places.append(place)
     memory.add(thing)
-    memory.looks.put(thing, np.array([1.0, 0.0, 0.0], dtype=np.float32), 9.0)
+    memory.looks.put(thing, np.array([1.0, 0.0, 0.0], dtype=np.float32), 9.0, thing.last_ms)
     at, error = (x, 0.0, 0.0), (0.01, 0.0, 0.0, 0.01, 0.0, 0.01)
     memory.positions.add([(thing, place, Row.of(at, at, error, (0.0, 0.0), DEFAULT))])
     return thing
