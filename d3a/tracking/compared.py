@@ -29,7 +29,6 @@ class Frame(NamedTuple):
     """
 
     observed: Observed
-    time_ms: int
     scale: float
     placed: list[bool]
     near: frozenset[tuple[int, int]]
@@ -44,14 +43,7 @@ class Frame(NamedTuple):
     def part(self, wanted: list[int]) -> Frame:
         """Return some things of the frame, as if nothing stood beside them."""
         placed = [self.placed[i] for i in wanted]
-        return Frame(
-            self.observed.part(wanted),
-            self.time_ms,
-            self.scale,
-            placed,
-            frozenset(),
-            self.shells_m3,
-        )
+        return Frame(self.observed.part(wanted), self.scale, placed, frozenset(), self.shells_m3)
 
 
 class Gated(NamedTuple):

@@ -59,8 +59,7 @@ class Known:
 
     compared_ms: when a detection was compared with it last, or it came back to be.
     met: numbers of the things seen beside it in a frame while it was in memory, so other things.
-    look_weight: of the mean look, 0 without one; look_ms: when its views were taken, on average.
-    row: in the table of looks.
+    look_weight: of the mean look, 0 without one. row: in the table of looks.
     """
 
     number: int
@@ -71,7 +70,6 @@ class Known:
     weight: float = 0.0
     seen: int = 0
     look_weight: float = 0.0
-    look_ms: float = 0.0
     extent_m: tuple[float, float] | None = None
     extents: int = 0
     names: tuple[TaughtName, ...] = ()

@@ -72,13 +72,9 @@ LOOK_BINS = (1.5, 4.0, 12.0)
 """Views in a mean look, at which it counts as another kind: a mean is more like its views than
 they are like each other."""
 _LOOK_BINS = np.array(LOOK_BINS)
-SAME, OTHER, BESIDE, LATER = 0, 1, 2, 3
+SAME, OTHER, BESIDE = 0, 1, 2
 """Kinds of pairs: views of one thing; of two of one category; of two that stand side by side and
-have different categories, which share their background more than two of a kind across the room; and
-of one thing, long apart: in another light."""
-LATER_PRIOR = 10.0
-"""Pairs as many of which are assumed of that kind, as they are in one light: where it changes much
-soon more are known."""
+have different categories, which share their background more than two of a kind across the room."""
 LOOK_COMMON = 100.0
 """Pairs for which the spread of both kinds together counts in that of each: few tell little of it,
 and least of what is rare, how unlike two views of one thing may be."""
@@ -101,22 +97,20 @@ class LookModel:
         count, squares = parameters.look_prior, parameters.look_prior * parameters.look_sigma**2
         means = (parameters.look_same, parameters.look_other, parameters.look_beside)
         # plain numbers, as they are taken one by one
-        kinds = [*((count, mean, squares) for mean in means), (0.0, 0.0, 0.0)]
-        self._sums = [[[*kind] for kind in kinds] for _ in range(len(LOOK_BINS) + 1)]
-        self._bells = np.empty((2, len(means), len(self._sums), 5))
-        """Of SAME and of LATER by the other kind and bin, see `Bell`: what both are made of."""
+        self._sums = [[[count, mean, squares] for mean in means] for _ in range(len(LOOK_BINS) + 1)]
+        self._bells = np.empty((len(means), len(self._sums), 5))
+        """By kind and bin, see `Bell`: what both kinds are made of."""
         self._stale = set(range(len(self._sums)))
         """Bins in which more is known than their bells tell."""
 
     @property
     def sums(self) -> Floats:
-        """(bins, SAME | OTHER | BESIDE | LATER, count | mean | summed squared deviations)."""
+        """(bins, SAME | OTHER | BESIDE, count | mean | summed squared deviations)."""
         return np.array(self._sums)
 
     @sums.setter
     def sums(self, sums: Floats) -> None:
-        given: list[list[list[float]]] = sums.tolist()  # older checkpoints have no LATER
-        self._sums = [own + was[len(own) :] for own, was in zip(given, self._sums, strict=True)]
+        self._sums = sums.tolist()
         self._stale.update(range(len(self._sums)))
 
     def mean(self, kind: int) -> float:
@@ -124,7 +118,7 @@ class LookModel:
         return self._sums[-1][kind][1]
 
     def add(self, kind: int, likeness: float, views: float) -> None:
-        """Learn from a pair; views: of the mean look. kind: SAME and so on."""
+        """Learn from a pair; views: of the mean look. kind: SAME, OTHER or BESIDE."""
         at = bisect(LOOK_BINS, views)
         self._stale.add(at)
         row = self._sums[at][kind]
@@ -137,23 +131,18 @@ class LookModel:
         row[1] += delta / row[0]
         row[2] += delta * (likeness - row[1])
 
-    def against(
-        self, likeness: Floats, views: Floats, later: Sequence[bool], kinds: Sequence[int]
-    ) -> Floats:
-        """Return the evidence (kinds, n, m) for one thing against each of some other kinds.
+    def against(self, likeness: Floats, views: Floats, kinds: Sequence[int]) -> Floats:
+        """Return the evidence (kinds, n, m) for SAME against each of some kinds.
 
-        likeness: cosines (n, m) with looks of so many views (m,); later: whether long after these.
+        likeness: cosines (n, m) with looks of so many views (m,).
         """
         for at in self._stale:
             rows = self._sums[at]
-            apart = _joined(rows[LATER], rows[SAME], LATER_PRIOR)
             for kind in (OTHER, BESIDE):
-                self._bells[0, kind, at] = _bell(*rows[SAME], *rows[kind])
-                self._bells[1, kind, at] = _bell(*apart, *rows[kind])
+                self._bells[kind, at] = _bell(*rows[SAME], *rows[kind])
         self._stale.clear()
         bins = _LOOK_BINS.searchsorted(views, side="right")
-        own = np.array(later, dtype=np.intp)
-        bells = self._bells[own, np.array(kinds)[:, None], bins].transpose(2, 0, 1)
+        bells = self._bells[list(kinds)].take(bins, axis=1).transpose(2, 0, 1)
         same, sharp, other, blunt, even = bells[:, :, None]
         short = np.minimum(likeness - same, 0.0)
         short *= short
@@ -170,14 +159,6 @@ class LookModel:
 Bell = tuple[float, float, float, float, float]
 """The mean of the same and half its precision, the mean of the others and half theirs, and the
 logarithm of how much denser the same is at its mean than the others at theirs."""
-
-
-def _joined(own: list[float], usual: list[float], pairs: float) -> tuple[float, float, float]:
-    """Return count, mean and squared deviations of some pairs and so many of the usual ones."""
-    (n, mean, squares), (count, other, more) = own, usual
-    apart = n * pairs / (n + pairs) * (mean - other) ** 2
-    both = (n * mean + pairs * other) / (n + pairs)
-    return n + pairs, both, squares + pairs / count * more + apart
 
 
 def _bell(n: float, same: float, squares: float, m: float, other: float, more: float) -> Bell:

@@ -55,8 +55,7 @@ def _merge(old: Known, new: Known, memory: Memory, parameters: Parameters) -> No
     old.dirty = True
     look = memory.looks.of(new)
     if look is not None:
-        most = parameters.looks_remembered
-        memory.looks.blend(old, look, new.look_weight, new.look_ms, most)
+        memory.looks.blend(old, look, new.look_weight, parameters.looks_remembered)
     old.met |= new.met
     old.places.append(place)
     if place.row >= 0:

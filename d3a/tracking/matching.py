@@ -17,11 +17,10 @@ from d3a.checkpoint import Arrays
 from d3a.model import Json, Pose
 from d3a.parameters import Parameters
 from d3a.symmetric import added, minus, scaled, trace
-from d3a.tracking import likelihood, plain
+from d3a.tracking import likelihood
 from d3a.tracking.compared import NEVER, Aim, Assigned, Frame, Gated, Scoring
 from d3a.tracking.frame_offset import FrameOffset
 from d3a.tracking.known import Known, Place
-from d3a.tracking.light import Light
 from d3a.tracking.likelihood import BESIDE, OTHER, SAME, VARIANCES, CategoryModel, LookModel
 from d3a.tracking.look_space import LookSpace
 from d3a.tracking.memory import Memory
@@ -76,7 +75,6 @@ class Matcher:
         self.offset = FrameOffset.unknown(parameters)
         self.one: frozenset[str] = frozenset()
         """Ids of what a person made one of several: it may look like any of them."""
-        self.light = Light(self.looks, parameters)
         self.residuals = parameters.noise_prior, parameters.noise_prior
         """Summed squared residuals by what was expected of them, and their number."""
 
@@ -93,7 +91,7 @@ class Matcher:
 
     def match(self, observed: Observed, time_ms: int, pose: Pose | None) -> list[Match | None]:
         """Return for each observed thing what it is, None for new; corrects the frame's offset."""
-        frame = self._frame(observed, pose, time_ms)
+        frame = self._frame(observed, pose)
         self.space.add(observed.looks, observed.pictured)
         before = self.offset.copy()
         found = self._explained(frame, pose)
@@ -178,7 +176,7 @@ class Matcher:
     def _at(self, row: int) -> Place | None:
         return self._memory.positions.owners[row][1] if row >= 0 else None
 
-    def _frame(self, observed: Observed, pose: Pose | None, time_ms: int) -> Frame:
+    def _frame(self, observed: Observed, pose: Pose | None) -> Frame:
         """Return the frame's own share, and learn how near to each other its things stand."""
         scale = self._scale(pose)
         most_m2 = 3 * (REACH_M / 2) ** 2 / scale
@@ -189,7 +187,7 @@ class Matcher:
             len(names), [apart_m for (i, j), apart_m in apart.items() if names[i] != names[j]]
         )
         near = frozenset([*apart, *((j, i) for i, j in apart)])
-        return Frame(observed, time_ms, scale, placed, near, self.neighbours.shells_m3())
+        return Frame(observed, scale, placed, near, self.neighbours.shells_m3())
 
     def _gate(self, aim: Aim) -> NDArray[np.intp]:
         """Return the rows of places that any detection may be at, by thing and place."""
@@ -244,8 +242,7 @@ class Matcher:
         are_known = all(observed.pictured) and all(weights)
         likeness = looks.likeness(observed.looks, things, self.space, are_known)
         views = np.array(weights)
-        later = [self.light.is_later(thing, frame.time_ms) for thing in things]
-        same, beside = self.looks.against(likeness, views, later, (OTHER, BESIDE))
+        same, beside = self.looks.against(likeness, views, (OTHER, BESIDE))
         if not are_known:
             unknown = ~(np.array(observed.pictured)[:, None] & (views > 0))
             likeness[unknown] = np.nan
@@ -277,24 +274,40 @@ class Matcher:
                     self.looks.add(OTHER, alike[j][column], thing.look_weight)
                 elif (i, j) in frame.near:
                     self.looks.add(BESIDE, alike[j][column], thing.look_weight)
-        sure = plain.sure(things, evidence, self._parameters)
-        self.light.learn(
-            [
-                (alike[i][c], things[c].look_weight)
-                for i, c in sure
-                if self.light.is_long_after(things[c], frame.time_ms)
-                and not math.isnan(alike[i][c])
-            ]
-        )
-        if self._is_histogram:
-            sure = plain.agreed(taken, evidence, self._parameters)
-            sure = [(i, c) for i, c in sure if self._teaches(things[c])]
-        for i, column in sure:
+        for i, column in self._plain(things, taken, evidence):
             if not math.isnan(alike[i][column]):
                 thing = things[column]
                 self.looks.add(SAME, alike[i][column], thing.look_weight)
                 mean = self._memory.looks.row(thing)
                 self.space.add_same(frame.observed.looks[i], mean, thing.look_weight)
+
+    def _plain(
+        self, things: list[Known], taken: list[int], evidence: Floats
+    ) -> list[tuple[int, int]]:
+        """Return which detection is plainly which thing, by place and category alone.
+
+        What is assumed of histograms holds of any well enough that a look may object: of what is
+        plain, one pair in thirty is of two things. Of another embedding nothing is known. Taught
+        by what it agreed to itself, the model would never learn that views of one thing are less
+        alike than it assumed: there the look is not asked, and more has to be plain.
+        """
+        parameters = self._parameters
+        speaks = evidence >= 0
+        alone = np.add.reduce(speaks, axis=0) == 1
+        if self._is_histogram:  # itself speaks for it in its row and in its column
+            only = np.logical_and.outer(np.add.reduce(speaks, axis=1) == 1, alone)
+            rows, columns = np.nonzero(only & (evidence >= parameters.plain_odds))
+            pairs = zip(rows.tolist(), columns.tolist(), strict=True)
+            return [(i, c) for i, c in pairs if taken[i] == c and self._teaches(things[c])]
+        # what was seen once may be one of the views of this thing that were not recognised
+        speaks &= [thing.seen >= parameters.confirm_sightings for thing in things]
+        rivals = np.add.reduce(speaks, axis=1).tolist()
+        best = evidence.argmax(axis=1).tolist()
+        return [
+            (i, c)
+            for i, c in enumerate(best)
+            if evidence[i, c] >= parameters.sure_odds and alone[c] and rivals[i] == speaks[i, c]
+        ]
 
     def _teaches(self, thing: Known) -> bool:
         """Say whether the look model may learn of a thing: it is none by mistake, or all count."""
@@ -370,8 +383,7 @@ class Matcher:
             "neighbours": np.array(self.neighbours.pairs),
             "looked_around": np.array([self.neighbours.seen]),
         }
-        record = {"scaled_at": self.space.scaled_at, "offset": self.offset.to_state()}
-        return record | {"light": self.light.objections}, arrays
+        return {"scaled_at": self.space.scaled_at, "offset": self.offset.to_state()}, arrays
 
     def restore(self, record: Json, arrays: Arrays) -> None:
         """Go on where `to_state` was called."""
@@ -385,4 +397,3 @@ class Matcher:
         self.neighbours.pairs = arrays["neighbours"].tolist()
         self.neighbours.seen = float(arrays["looked_around"][0])
         self.offset.restore(record["offset"])
-        self.light.objections = record.get("light", 0.0)  # older checkpoints have none

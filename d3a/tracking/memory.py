@@ -121,31 +121,22 @@ class Looks:
             self._put(thing.row, 0.0)
         thing.look_weight = 0.0
 
-    def blend(
-        self,
-        thing: Known,
-        look: NDArray[np.float32],
-        weight: float,
-        taken_ms: float,
-        most: float,
-    ) -> None:
-        """Average a look in, taken then, as if the mean so far were of `most` views at most."""
+    def blend(self, thing: Known, look: NDArray[np.float32], weight: float, most: float) -> None:
+        """Average a look in, as if the mean so far were of `most` views at most."""
         if self._matrix.shape[1] == 0:
             self._matrix = np.zeros((len(self._matrix), len(look)), dtype=np.float32)
-        before = min(thing.look_weight, most)
-        thing.look_ms = (before * thing.look_ms + weight * taken_ms) / (before + weight)
-        mean = self._matrix[thing.row] * np.float32(before)
+        mean = self._matrix[thing.row] * np.float32(min(thing.look_weight, most))
         mean += look * np.float32(weight)
         length = math.sqrt(mean @ mean)
         self._put(thing.row, np.divide(mean, np.float32(length), out=mean) if length > 0 else 0.0)
         thing.look_weight += weight
 
-    def put(self, thing: Known, look: NDArray[np.float32], weight: float, taken_ms: float) -> None:
-        """Set the mean look of a thing as it is, of views taken then on average."""
+    def put(self, thing: Known, look: NDArray[np.float32], weight: float) -> None:
+        """Set the mean look of a thing as it is."""
         if self._matrix.shape[1] == 0:
             self._matrix = np.zeros((len(self._matrix), len(look)), dtype=np.float32)
         self._put(thing.row, look)
-        thing.look_weight, thing.look_ms = weight, taken_ms
+        thing.look_weight = weight
 
     def _put(self, row: int, look: NDArray[np.float32] | float) -> None:
         self._matrix[row] = look

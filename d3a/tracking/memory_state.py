@@ -102,7 +102,7 @@ def memory_of_state(memory: Memory, record: Json, arrays: Arrays, parameters: Pa
         weight = thing.look_weight
         memory.add(thing)
         if weight > 0:
-            memory.looks.put(thing, arrays["looks"][i], weight, thing.look_ms or thing.last_ms)
+            memory.looks.put(thing, arrays["looks"][i], weight)
         for place_record in each["places"]:
             place = _place(place_record | next(long))
             thing.places.append(place)

@@ -115,9 +115,7 @@ class Evidence:
             return np.zeros((2, len(pairs)))
         units = self.memory.looks.units([thing for pair in pairs for thing in pair], self.space)
         likeness = np.einsum("kd,kd->k", units[::2], units[1::2], dtype=np.float64)
-        long_ms = self.parameters.interval_gap_s * 1000
-        later = [abs(one.look_ms - other.look_ms) > long_ms for one, other in pairs]
-        told = self.looks.against(likeness[None], views, later, (OTHER, BESIDE))[:, 0]
+        told = self.looks.against(likeness[None], views, (OTHER, BESIDE))[:, 0]
         return np.where(views > 0, told, 0.0)
 
 
@@ -176,8 +174,7 @@ def _join(kept: Known, gone: Known, memory: Memory, parameters: Parameters) -> N
     memory.touch(kept)
     look = memory.looks.of(gone)
     if look is not None:
-        most = parameters.looks_remembered
-        memory.looks.blend(kept, look, gone.look_weight, gone.look_ms, most)
+        memory.looks.blend(kept, look, gone.look_weight, parameters.looks_remembered)
     for into, of in ((kept, gone), (place, lost)):
         into.weight += of.weight
         into.seen += of.seen

@@ -324,7 +324,7 @@ class Recall:
         self._memory.add(thing)
         if record.embedding is not None:
             look = likelihood.feature(record.embedding, self._is_histogram)
-            self._memory.looks.put(thing, look, record.weight, record.last_ms)
+            self._memory.looks.put(thing, look, record.weight)
         return thing
 
     def _place(self, stay: StayRecord, interval: Interval | None) -> Place:

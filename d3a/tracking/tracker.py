@@ -156,7 +156,7 @@ class TrackerPipeline:
         if observed.pictured[i]:
             weight = max(detection.probability, 1e-6)
             most = self._parameters.looks_remembered
-            self._memory.looks.blend(thing, observed.looks[i], weight, ref.time_ms, most)
+            self._memory.looks.blend(thing, observed.looks[i], weight, most)
         if detection.extent_m is not None:
             (width, height), (wide, high) = thing.extent_m or (0.0, 0.0), detection.extent_m
             n = thing.extents

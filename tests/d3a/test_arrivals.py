@@ -131,7 +131,7 @@ def placed(
     thing = Known(number, {"bag": 1.0}, place.first_ms, place.last_ms, seen=9)
     thing.places.append(place)
     memory.add(thing)
-    memory.looks.put(thing, np.array(look, dtype=np.float32), 9.0, place.last_ms)
+    memory.looks.put(thing, np.array(look, dtype=np.float32), 9.0)
     error = (0.01, 0.0, 0.0, 0.01, 0.0, 0.01)
     at = away_m, 0.0, 0.0
     row = Row.of(at, at, error, (0.0, 0.0), DEFAULT)

@@ -78,7 +78,7 @@ def test_things_that_sleep_keep_all_their_numbers() -> None:
         thing = Known(number, {"cup": 1.0}, 0, 0)
         thing.places = [Place(k, 0, 0) for k in range(1 + number % 3)]
         memory.add(thing)
-        memory.looks.put(thing, colour(number), 2.0, 0)
+        memory.looks.put(thing, colour(number), 2.0)
         for place in thing.places:
             (x, y, z), (xx, yy, zz) = rng.normal(size=3), rng.uniform(0.1, 1, 3)
             error = (xx, 0.0, 0.0, yy, 0.0, zz)

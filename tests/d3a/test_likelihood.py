@@ -11,16 +11,7 @@ from scipy.optimize import linear_sum_assignment
 
 from d3a.parameters import DEFAULT
 from d3a.tracking import likelihood
-from d3a.tracking.likelihood import (
-    BESIDE,
-    LATER,
-    OTHER,
-    SAME,
-    UPPER,
-    CategoryModel,
-    LookModel,
-    shares,
-)
+from d3a.tracking.likelihood import BESIDE, OTHER, SAME, UPPER, CategoryModel, LookModel, shares
 from d3a.tracking.look_space import LookSpace
 from d3a.tracking.neighbours import Neighbours
 from tests.worlds.rounds import colour
@@ -59,18 +50,16 @@ def test_the_adjugate_is_the_inverse() -> None:
 
 def test_the_look_model_learns_what_alike_means() -> None:
     model = LookModel(DEFAULT)
-    before = model.against(np.array([[0.65]]), np.array([20.0]), [False], (OTHER,))[0, 0, 0]
+    before = model.against(np.array([[0.65]]), np.array([20.0]), (OTHER,))[0, 0, 0]
     rng = np.random.default_rng(2)
     for _ in range(500):
         model.add(SAME, float(rng.normal(0.95, 0.02)), 20.0)
         model.add(OTHER, float(rng.normal(0.7, 0.05)), 20.0)
-    after = model.against(np.array([[0.65, 0.96]]), np.array([20.0, 20.0]), [False] * 2, (OTHER,))[
-        0, 0
-    ]
+    after = model.against(np.array([[0.65, 0.96]]), np.array([20.0, 20.0]), (OTHER,))[0, 0]
     assert before > -1
     assert after[0] < -5
     assert after[1] > 1
-    untouched = model.against(np.array([[0.65]]), np.array([1.0]), [False], (OTHER,))[0, 0, 0]
+    untouched = model.against(np.array([[0.65]]), np.array([1.0]), (OTHER,))[0, 0, 0]
     assert untouched == pytest.approx(before)
 
 
@@ -81,7 +70,7 @@ def test_a_look_shared_by_what_stands_beside_says_little_for_a_wrong_name() -> N
         model.add(OTHER, 0.3, 20.0)
         model.add(BESIDE, 0.85, 20.0)
     alike, views = np.array([[0.9]]), np.array([20.0])
-    beside, other = model.against(alike, views, [False], (BESIDE, OTHER))[:, 0, 0]
+    beside, other = model.against(alike, views, (BESIDE, OTHER))[:, 0, 0]
     assert beside < other
 
 
@@ -95,12 +84,8 @@ def taught(same: tuple[float, float], other: tuple[float, float], pairs: int) ->
 
 
 def told(model: LookModel, *likeness: float) -> list[float]:
-    alike, views, later = (
-        np.array([likeness]),
-        np.full(len(likeness), 20.0),
-        [False] * len(likeness),
-    )
-    return [float(v) for v in model.against(alike, views, later, (OTHER,))[0, 0]]
+    alike = np.array([likeness])
+    return [float(v) for v in model.against(alike, np.full(len(likeness), 20.0), (OTHER,))[0, 0]]
 
 
 @given(
@@ -123,25 +108,6 @@ def test_what_looks_alike_every_time_is_another_thing_where_it_does_not() -> Non
     assert told(steady, 0.5)[0] < 2 * told(varied, 0.5)[0] < 0
 
 
-def test_in_another_light_a_look_objects_as_it_was_learned_there() -> None:
-    """Within one visit views are as alike as ever; an hour later they may be those of another."""
-    model = taught((0.9, 0.05), (0.1, 0.2), 400)
-    alike, views = np.array([[0.3, 0.3]]), np.array([20.0, 20.0])
-    (before, unknown), *_ = model.against(alike, views, [False, True], (OTHER,))[0]
-    for _ in range(30):
-        model.add(LATER, 0.3, 20.0)
-    (soon, later), *_ = model.against(alike, views, [False, True], (OTHER,))[0]
-    assert soon == before < -5
-    assert unknown < -2
-    assert later > 0
-
-
-def test_a_look_model_of_an_older_checkpoint_has_all_kinds() -> None:
-    old, new = taught((0.9, 0.05), (0.1, 0.2), 9), LookModel(DEFAULT)
-    new.sums = old.sums[:, :3]
-    assert np.array_equal(new.sums, old.sums)
-
-
 def test_few_pairs_do_not_tell_how_unlike_views_of_one_thing_may_be() -> None:
     few, many = (taught((0.8, 0.05), (0.3, 0.25), pairs) for pairs in (8, 400))
     assert told(few, 0.4)[0] > told(many, 0.4)[0] + 1
@@ -152,7 +118,7 @@ def test_looks_that_tell_nothing_apart_weigh_nothing() -> None:
     for _ in range(1000):
         model.add(SAME, 0.5, 1.0)
         model.add(OTHER, 0.6, 1.0)
-    assert abs(model.against(np.array([[0.9]]), np.array([1.0]), [False], (OTHER,))[0, 0, 0]) < 0.2
+    assert abs(model.against(np.array([[0.9]]), np.array([1.0]), (OTHER,))[0, 0, 0]) < 0.2
 
 
 def test_a_rare_category_is_better_evidence_than_a_common_one() -> None:

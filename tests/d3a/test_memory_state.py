@@ -28,7 +28,7 @@ def remembering() -> Memory:
         thing = Known(number, {"cup": 1.0, "mug": 0.5}, START_MS, START_MS + number)
         thing.met = set(range(0, number, 2))
         memory.add(thing)
-        memory.looks.put(thing, colour(number), 2.0, START_MS)
+        memory.looks.put(thing, colour(number), 2.0)
         for k in range(number % 3):
             place = Place(k, START_MS, START_MS + 5, last_absent_ms=START_MS if k else None)
             thing.places.append(place)

@@ -69,7 +69,7 @@ def _thing(memory: Memory, number: int, look: list[float], first_ms: int, last_m
     thing = Known(number, {"bag": 1.0}, first_ms, last_ms, seen=9)
     thing.places.append(Place(0, first_ms, last_ms, seen=9))
     memory.add(thing)
-    memory.looks.put(thing, np.array(look, dtype=np.float32), 9.0, last_ms)
+    memory.looks.put(thing, np.array(look, dtype=np.float32), 9.0)
     return thing
 
 

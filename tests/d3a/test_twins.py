@@ -23,7 +23,7 @@ def drill(memory: Memory, number: int, look: list[float], place: Place) -> Known
     thing = Known(number, {"drill": 1.0}, place.first_ms, place.last_ms, seen=9)
     thing.places.append(place)
     memory.add(thing)
-    memory.looks.put(thing, np.array(look, dtype=np.float32), 9.0, thing.last_ms)
+    memory.looks.put(thing, np.array(look, dtype=np.float32), 9.0)
     return thing
 
 
@@ -62,7 +62,7 @@ def standing(memory: Memory, number: int, category: str, place: Place, x: float)
     thing = Known(number, {category: 1.0}, place.first_ms, place.last_ms, seen=place.seen)
     thing.places.append(place)
     memory.add(thing)
-    memory.looks.put(thing, np.array([1.0, 0.0, 0.0], dtype=np.float32), 9.0, thing.last_ms)
+    memory.looks.put(thing, np.array([1.0, 0.0, 0.0], dtype=np.float32), 9.0)
     at, error = (x, 0.0, 0.0), (0.01, 0.0, 0.0, 0.01, 0.0, 0.01)
     memory.positions.add([(thing, place, Row.of(at, at, error, (0.0, 0.0), DEFAULT))])
     return thing
