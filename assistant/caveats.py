@@ -7,13 +7,23 @@ import re
 from assistant.amounts import holds
 from assistant.conditions import gathered_words
 from assistant.each import asks_for_each
-from assistant.english import counted, listed, number_word, times
-from assistant.phrases import at_place, heads_of, likely_of, newest_of, term_of, theirs
+from assistant.english import counted, listed, number_word, plural, times
+from assistant.phrases import (
+    at_place,
+    definite,
+    heads_of,
+    likely_of,
+    newest_of,
+    numbered,
+    term_of,
+    theirs,
+    wider_kind,
+)
 from assistant.said import said_many
 from assistant.wording import how_sure
 from d3a.answer import Answer, RankedKeyframe, is_by_look
 from d3a.answering.match import said_alone
-from grammar.forms import ANYTHING, FormalQuery
+from grammar.forms import ANYTHING, FormalQuery, ObjectTerm
 
 
 def is_open(query: FormalQuery) -> bool:
@@ -85,8 +95,22 @@ def left_out(answer: Answer) -> str:
     owners = dict.fromkeys(term.owner for term in terms if term.owner)
     untold = [owner for owner in owners if said_alone(owner) in answer.unjudged]
     rest = [w for w in answer.unjudged if w not in {said_alone(owner) for owner in untold}]
+    kinds = [which_words(answer, term) for term in terms]
+    rest = [w for w in rest if w not in {term.word for term in terms if wider_kind(answer, term)}]
     told = [at_place(place) if place and w == f"in the {place}" else w for w in rest]
     spoken = [re.sub(r"\d+$", lambda m: number_word(int(m[0])), words) for words in told]
     whose = f"Nobody told me what is {listed([theirs(owner) for owner in untold])}."
     left = f"I cannot tell what is {listed([f'“{words}”' for words in spoken])} here."
-    return " ".join([whose] * bool(untold) + [left] * bool(spoken))
+    left_over = [*[whose] * bool(untold), *[left] * bool(spoken)]
+    return " ".join([*left_over, *dict.fromkeys(words for words in kinds if words)])
+
+
+def which_words(answer: Answer, term: ObjectTerm) -> str:
+    """Return that a thing was found by a wider word alone: which bottle is the water bottle."""
+    kind = wider_kind(answer, term)
+    if not kind or answer.query is None:
+        return ""
+    many = said_many(answer.query, term)
+    said, found = numbered(answer.query, term), plural(kind) if many else kind
+    asked = said if many and not term.owner else definite(term, said)
+    return f"I cannot tell which {found} {'are' if many else 'is'} {asked}."

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 
-from assistant.english import listed
-from assistant.phrases import described
+from assistant.english import listed, plural
+from assistant.phrases import described, wider_kind
 from d3a.answer import Answer
 from d3a.answering.match import said_alone
 from grammar import vocabulary
@@ -18,7 +19,8 @@ def as_judged(answer: Answer, query: FormalQuery) -> FormalQuery:
     Of a blurple cup the cup was: `unjudged` has what nobody knows of its noun.
     """
     if answer.precision not in ("category", "any"):
-        return replace(query, objects=tuple(_heard(term, answer) for term in query.objects))
+        heard = tuple(_heard(term, answer) for term in query.objects)
+        return replace(query, objects=heard, text=_said_wider(answer, query))
     is_any = answer.precision == "any"
     return replace(query, objects=tuple(_bare(term, is_any=is_any) for term in query.objects))
 
@@ -51,10 +53,22 @@ def not_taught(answer: Answer, query: FormalQuery, term: ObjectTerm) -> str:
 def _heard(term: ObjectTerm, answer: Answer) -> ObjectTerm:
     if term.owner is not None and said_alone(term.owner) in answer.unjudged:
         term = replace(term, owner=None)  # a cup it was; nobody told that it is Anna's
+    if kind := wider_kind(answer, term):
+        return replace(term, category=kind, word=kind, owner=None)
     lead, _, head = term.word.rpartition(" ")
     if not lead or lead not in answer.unjudged:
         return term
     return replace(term, category=vocabulary.canonical(head), word=head)
+
+
+def _said_wider(answer: Answer, query: FormalQuery) -> str:
+    """Return the question with the wider words for what was found by them, in the same number."""
+    text = query.text
+    for term in query.objects:
+        if kind := wider_kind(answer, term):
+            for said, found in ((plural(term.word), plural(kind)), (term.word, kind)):
+                text = re.sub(rf"\b{re.escape(said)}\b", found, text, flags=re.IGNORECASE)
+    return text
 
 
 def _is_plain(term: ObjectTerm) -> bool:

@@ -154,6 +154,19 @@ def found_words(answer: Answer, query: FormalQuery) -> str:
     return numbered(query, term, answer.unjudged, noun=noun)
 
 
+def wider_kind(answer: Answer, term: ObjectTerm) -> str:
+    """Return the wider word that what a noun means was found by alone; "" where it was not.
+
+    `unjudged` has the noun then: among bottles, nobody knows which is a water bottle.
+    """
+    if term.category == ANYTHING or term.word not in answer.unjudged:
+        return ""
+    other = [] if answer.otherwise is None else [answer.otherwise]
+    wider = vocabulary.broader(term.category)
+    kinds = (kind_of(keyframe) for keyframe in (*answer.keyframes, *other, *answer.instead))
+    return next((kind for kind in kinds if kind in wider), "")
+
+
 def kinds_of_broad(answer: Answer, query: FormalQuery) -> list[str]:
     """Return the kinds that a broader word covers in an answer, best first: banana, apple.
 
@@ -314,7 +327,9 @@ def tells_nothing(answer: Answer) -> bool:
     conditions += len(term.other_than)
     anything = term.category == ANYTHING and not term.attributes
     listing = query.ask in ("what", "whether", "count", "where")
-    return anything and listing and 0 < conditions <= len(answer.unjudged)
+    named = {each.word for each in query.terms}  # by a wider word: a thing was found all the same
+    left_out = sum(word not in named for word in answer.unjudged)
+    return anything and listing and 0 < conditions <= left_out
 
 
 def likely_of(answer: Answer) -> list[RankedKeyframe]:

@@ -50,6 +50,7 @@ from assistant.phrases import (
     term_of,
     there_words,
     where_words,
+    wider_kind,
 )
 from assistant.polarity import asks_of_an_end
 from assistant.refusals import refusal_words
@@ -173,7 +174,7 @@ def _where(answer: Answer, query: FormalQuery, now: datetime) -> str:
     words = _the_thing(answer, query)
     since = stood_then(query)
     if query.select == "last" and not since and asks_for_each(answer, query):
-        return where_each_is(answer, query, _the_thing(answer, query), now)
+        return where_each_is(answer, query, _the_thing(answer, query, each=True), now)
     where, last = where_words(best, query), "last " if query.select == "last" or since else ""
     first = "first " if query.select == "first" else ""
     many = said_many(query, term)
@@ -264,10 +265,17 @@ def _when(answer: Answer, query: FormalQuery, now: datetime) -> str:
     return f"{opening}, first {day_of(first, now)} at {clock(first)} and last {newest}."
 
 
-def _the_thing(answer: Answer, query: FormalQuery) -> str:
-    """Return what is told of, with where it was: "the cup on the table", "two cups together"."""
-    words = gathered_words(answer, query)
-    words = words or definite(term_of(query), found_words(answer, query))
+def _the_thing(answer: Answer, query: FormalQuery, *, each: bool = False) -> str:
+    """Return what is told of, with where it was: "the cup on the table", "two cups together".
+
+    each: all of them are told of, be it by a wider word, by which else one of them was found.
+    """
+    term, words = term_of(query), gathered_words(answer, query)
+    if not words:
+        words = found_words(answer, query)
+        wider = answer.query is not None and wider_kind(answer, term_of(answer.query)) and not each
+        many = said_many(query, term)
+        words = indefinite(term, words, many=many) if wider else definite(term, words)
     was = (" that were" if said_many(query, term_of(query)) else " that was") * stood_then(query)
     condition = condition_words(answer, query)
     if query.ask == "where" and query.or_places and query.relation is None:

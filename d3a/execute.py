@@ -154,8 +154,8 @@ def _find_objects(run: Run, step: FindObjects) -> None:
             found = _in_region(run, region, merged) or found
         else:
             run.rooms[step.var], found = region, merged
-    elif " " in step.word:
-        worth = rungs(step, run.facts.categories(), run.lexicon)
+    elif step.category != ANYTHING:
+        worth, _ = run.facts.rungs(step, run.lexicon)
         if words := unheard(step, found, worth, run.lexicon):
             run.leave_out(words)
     found = _not_theirs(run, step, found)

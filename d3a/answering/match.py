@@ -103,17 +103,19 @@ def rungs(step: FindObjects, categories: Sequence[str], lexicon: Lexicon) -> dic
 def unheard(
     step: FindObjects, found: Sequence[Candidate], worth: Mapping[str, float], lexicon: Lexicon
 ) -> str:
-    """Return the words before a noun that nothing was found by: blurple, where there are cups.
+    """Return the words of a noun that nothing was found by, "" where all of them were heard.
 
-    They may describe it or name a kind of it; either way nobody knows what they say.
+    Blurple, where there are cups: it may describe them or name a kind of them, nobody knows. A
+    listed kind that was found by a wider word alone is one as a whole: sunglasses, among glasses.
     """
     lead = lexicon.unlisted_lead(step.word)
-    head = lexicon.canonical(step.word.rpartition(" ")[2])
-    by_head = any(lexicon.canonical(category) == head for category in worth)
-    known = any(own >= SYNONYM for own in worth.values())
-    return (
-        lead if by_head and not known and not any(is_named(c.record, step) for c in found) else ""
-    )
+    if lead:
+        head = lexicon.canonical(step.word.rpartition(" ")[2])
+        by_head = any(lexicon.canonical(category) == head for category in worth)
+        words = lead if by_head and not any(own >= SYNONYM for own in worth.values()) else ""
+    else:
+        words = step.word if found and all(own == BROADER for own in worth.values()) else ""
+    return "" if words and any(is_named(c.record, step) for c in found) else words
 
 
 def candidates(

@@ -175,3 +175,47 @@ def test_one_place_or_another_is_each_in_its_own_room(home: Home) -> None:
     )
     said = told(home, "Are the books in the kitchen?")
     assert said.startswith("Not all of them. I last saw one of the three books in the kitchen")
+
+
+@pytest.fixture
+def shelf() -> Home:
+    """Two bottles and two books in the kitchen: a detector that knows no kinds of them."""
+    home = Home(classes=("bottle", "book", "table"))
+    home.room("kitchen", -1, -1, 3, 3)
+    for number, kind in enumerate(("bottle", "bottle", "book", "book")):
+        name = f"{kind} {number}"
+        home.thing(name, kind)
+        home.seen(name, 0, 300, at=(number / 2, 1, 1))
+    return home
+
+
+@pytest.mark.parametrize(
+    ("question", "seen", "which"),
+    [
+        ("Where is the water bottle?", "a bottle", "which bottle is the water bottle."),
+        ("Where is my notebook?", "a book", "which book is your notebook."),
+        ("When did you last see the notebook?", "a book", "which book is the notebook."),
+        ("Where are the notebooks?", "two of the books", "which books are notebooks."),
+        ("Is the water bottle in the kitchen?", "a bottle", "which bottle is the water bottle."),
+    ],
+)
+def test_a_kind_that_was_found_by_a_wider_word_is_not_claimed(
+    shelf: Home, question: str, seen: str, which: str
+) -> None:
+    said = told(shelf, question)
+    assert f"saw {seen}" in said
+    assert f"I cannot tell {which}" in said
+    assert not said.startswith(("Yes", "Maybe"))
+
+
+def test_what_was_found_by_its_own_word_leaves_nothing_open(shelf: Home) -> None:
+    shelf.thing("flask", "water bottle")
+    shelf.seen("flask", 0, 300, at=(2, 2, 1))
+    assert "I cannot tell" not in told(shelf, "Where is the water bottle?")
+    assert "I cannot tell" not in told(shelf, "Where is the bottle?")
+
+
+def test_what_stood_beside_it_is_told_all_the_same(shelf: Home) -> None:
+    said = told(shelf, "What is next to the water bottle?")
+    assert said.startswith("I last saw ")
+    assert said.endswith("I cannot tell which bottle is the water bottle.")

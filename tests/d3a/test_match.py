@@ -132,7 +132,9 @@ def test_named_needs_the_asked_owner() -> None:
         ("blurple cup", {"cup": BROADER, "blurple cup": EXACT}, (), ""),
         ("blurple cup", {"drinkware": BROADER}, (), ""),
         ("blurple cup", {"cup": BROADER}, (TaughtName("blurple cup", None),), ""),
-        ("coffee cup", {"cup": BROADER}, (), ""),
+        ("coffee cup", {"cup": BROADER}, (), "coffee cup"),
+        ("coffee cup", {"cup": BROADER, "coffee cup": EXACT}, (), ""),
+        ("coffee cup", {"cup": BROADER}, (TaughtName("coffee cup", None),), ""),
         ("cup", {"cup": EXACT}, (), ""),
     ],
 )
