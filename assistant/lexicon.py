@@ -8,8 +8,8 @@ from functools import lru_cache
 from grammar import vocabulary
 from grammar.vocabulary import lexicon
 
-LEAST_ALIKE = 60.0
-"""Words less alike than this, of 100, are no suggestion for each other."""
+LEAST_ALIKE = 80.0
+"""Words less alike than this, of 100, are no suggestion: of five letters one may be another."""
 
 
 class VocabularyLexicon:
@@ -36,20 +36,19 @@ class VocabularyLexicon:
         return vocabulary.unlisted_lead(word)
 
     def nearest(self, word: str, among: Sequence[str]) -> Sequence[str]:
-        """Return up to three words like `word`: of one kind with it first, then by spelling.
+        """Return up to three words like `word`: of one kind with it, or a slip of its spelling.
 
-        Words of one kind share a broader word: a wallet is nearer to a handbag than to a wall.
+        Words of one kind share a broader word: a wallet is nearer to a handbag than to a wall. What
+        the vocabulary knows is no slip, however near its letters are: no shoe is a shelf.
         """
         from rapidfuzz import fuzz, process  # only a word without an answer needs it
 
         kinds = set(self.broader(self.canonical(word)))
         kin = [w for w in among if kinds & {*self.broader(self.canonical(w)), self.canonical(w)}]
+        if vocabulary.singular(word) in lexicon().nouns:
+            return tuple(kin[:3])
         alike = process.extract(word, among, scorer=fuzz.ratio, score_cutoff=LEAST_ALIKE, limit=3)
-        return tuple(
-            dict.fromkeys(
-                [*(w for w, score, _ in alike if score >= 80), *kin] + [w for w, _, _ in alike]
-            )
-        )[:3]
+        return tuple(dict.fromkeys([*(w for w, _, _ in alike), *kin]))[:3]
 
 
 @lru_cache(maxsize=4096)

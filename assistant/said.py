@@ -41,8 +41,10 @@ def _as_said(query: FormalQuery, term: ObjectTerm) -> list[str]:
 
 
 def _spoken(query: FormalQuery) -> list[str]:
+    taken = {c.said.lower(): c.taken.lower() for c in query.corrections}  # kees are keys
     words = query.text.lower().split()
-    return ["".join(ch for ch in word if ch.isalnum() or ch in "'-") for word in words]
+    bare = ("".join(ch for ch in word if ch.isalnum() or ch in "'-") for word in words)
+    return [taken.get(word, word) for word in bare]
 
 
 def _tells(query: FormalQuery, pronouns: frozenset[str]) -> bool:

@@ -116,8 +116,9 @@ def _taken(
     targets = _targets(store)
     nearest = _nearest(text, targets, reach)
     nearest = nearest or _short_or_sounding(text, known, targets)
-    if not nearest and text.endswith("s") and len(text) > _MIN_LETTERS:
-        one = _nearest(lex.singular(text), targets, reach)
+    if not nearest and text.endswith("s"):
+        one = _nearest(lex.singular(text), targets, reach) if len(text) > _MIN_LETTERS else []
+        one = one or _sounding(lex.singular(text), lex.nouns)
         nearest = [inflection.plural(target, lex.plurals) for target in one]
     if len(nearest) > 1 and located:
         nearest = [target for target in nearest if target in lex.places] or nearest
@@ -154,8 +155,13 @@ def _short_or_sounding(text: str, known: frozenset[str], targets: tuple[str, ...
     if text[-1] == text[-2] and len(text) == _MIN_LETTERS and text[:-1] in known:
         return [text[:-1]]
     for ending in ("z", "es"):  # keyz, keyes
-        if text.endswith(ending) and text.removesuffix(ending) in known:
+        if len(text) > len(ending) + 2 and text.removesuffix(ending) in known:  # no bees of be
             return [text.removesuffix(ending) + "s"]
+    return _sounding(text, targets)
+
+
+def _sounding(text: str, targets: Iterable[str]) -> list[str]:
+    """Return the targets that sound as a word does."""
     sound = _sound(text)
     return [
         target
@@ -169,12 +175,21 @@ _SOUNDED = defaultdict(str, f="p", p="f", c="k", k="c", q="k")
 
 
 def _sound(word: str) -> str:
-    """Return a word as it sounds by its consonants: ph is f, ck and hard c are k, soft c is s."""
+    """Return a word as it sounds by its consonants: ph is f, ck and hard c are k, soft c is s.
+
+    Of the vowels those of its end are one where they sound so: kee, key.
+    """
+    ending = next((e for e in _LONG_E if word.endswith(e) and len(word) > len(e)), "")
+    word = word.removesuffix(ending) + "y" * bool(ending)
     out = word.replace("ph", "f").replace("ck", "k") + " "
     hard = (
         ("k" if b not in "eiyh" else "s") if a == "c" and b != "h" else a for a, b in pairwise(out)
     )
     return "".join(hard)
+
+
+_LONG_E = ("ee", "ey", "ie")
+"""Endings that sound as y does: kee, trolly, cooky."""
 
 
 def _misread(word: Word, known: frozenset[str]) -> str | None:

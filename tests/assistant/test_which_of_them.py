@@ -219,3 +219,9 @@ def test_what_stood_beside_it_is_told_all_the_same(shelf: Home) -> None:
     said = told(shelf, "What is next to the water bottle?")
     assert said.startswith("I last saw ")
     assert said.endswith("I cannot tell which bottle is the water bottle.")
+
+
+def test_a_misspelt_plural_is_told_in_the_plural(shelf: Home) -> None:
+    shelf.thing("key", "key")
+    shelf.seen("key", 0, 300, at=(2, 2, 1))
+    assert "I last saw your keys there" in told(shelf, "Where are my kees?")

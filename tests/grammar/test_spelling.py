@@ -39,6 +39,8 @@ NOW = datetime.fromisoformat("2020-01-01T18:00:00-05:00")
         ("where is the vace", "vace", "vase"),
         ("where are the keyes", "keyes", "keys"),
         ("where are my keyz", "keyz", "keys"),
+        ("where are my kees", "kees", "keys"),
+        ("where is the trolly", "trolly", "trolley"),
         ("did you see my cup anywere", "anywere", "anywhere"),
         ("where is the cupp", "cupp", "cup"),
         ("where did i leve my bag", "leve", "leave"),
@@ -128,3 +130,8 @@ def test_the_question_keeps_its_own_text() -> None:
     found = parse_report("where is my phon", now=NOW)
     assert found.query.text == "where is my phon"
     assert found.query.objects[0].word == "phone"
+
+
+@pytest.mark.parametrize("thing", ["bees", "fees"])
+def test_a_plural_is_no_slip_of_a_small_word(thing: str) -> None:
+    assert parse_report(f"where are the {thing}", now=NOW).corrections == ()
