@@ -24,6 +24,7 @@ from assistant.rooms import EVERYTHING, everything_words, in_each_room, told_by_
 from assistant.several import one_by_one, told_of_each
 from assistant.spots import of_the_spot, on_a_spot, told_as_place, without_itself
 from assistant.tense import gone_by_now, is_no_more, planned
+from assistant.untaught import doubt_words, doubted, plan_of_the_unnamed
 from assistant.whose import whose_words
 from d3a.answer import Answer, Status
 from d3a.answering.conclude import within
@@ -253,7 +254,10 @@ def _told(
         if its.status != "found" or its.keyframes[0].last_absent is not None:
             return replace(answer, answer=_said(its, where, facts, now).answer)
         answer = replace(answer, otherwise=its.keyframes[0])
-    told = _said(answer, query, facts, now)
+    other = _of_the_unnamed(store, answer, query, facts, now, limit, rung)
+    told = _said(answer if other is None else doubted(answer, other), query, facts, now)
+    if other is not None:
+        told = replace(told, answer=doubt_words(answer, other, told.answer, now))
     if answer.status != "found":
         return told
     if either := one_or_another(query):
@@ -280,16 +284,36 @@ def _answered(
     rung: Precision | None,
 ) -> Answer:
     """Return the answer of a formal query without its sentence."""
-    parameters = facts.parameters()
+    made = planned(query, facts.parameters(), rung)
+    return _executed(store, made, facts, now, limit)
+
+
+def _executed(store: Store, made: Plan, facts: Facts, now: datetime, limit: int) -> Answer:
     return execute(
-        planned(query, parameters, rung),
+        made,
         store,
         VocabularyLexicon(),
         now=now,
         limit=limit,
-        parameters=parameters,
+        parameters=facts.parameters(),
         facts=facts,
     )
+
+
+def _of_the_unnamed(
+    store: Store,
+    answer: Answer,
+    query: FormalQuery,
+    facts: Facts,
+    now: datetime,
+    limit: int,
+    rung: Precision | None,
+) -> Answer | None:
+    """Return the answer of what may be the named thing by another id; None where nothing may."""
+    if not answer.named_alone:
+        return None
+    made = plan_of_the_unnamed(answer, planned(query, facts.parameters(), rung), facts)
+    return None if made is None else _executed(store, made, facts, now, limit)
 
 
 def _asks_for_the_unseen(query: FormalQuery) -> bool:

@@ -184,7 +184,9 @@ def _where(answer: Answer, query: FormalQuery, now: datetime) -> str:
     if "same" in best.why:  # the detector had another word for it there
         words += f" (or {article(kind_of(best))} like {'them' if many else 'it'})"
     if where:
-        told = f"{sentence_case(where)}. I {last}{first}saw {words} there {seen_when(best, now)}."
+        sure = " for certain" * (answer.otherwise is not None)  # what may be it was seen since
+        told = f"{sentence_case(where)}. I {last}{first}saw {words} there{sure} "
+        told += f"{seen_when(best, now)}."
     else:
         known = best.place or best.near  # named by the question, and so not told again
         blank = "" if known else f", but {_nowhere_words(best)}"
@@ -251,7 +253,8 @@ def _when(answer: Answer, query: FormalQuery, now: datetime) -> str:
     if query.select in ("last", "first"):
         told = seen_when(best, now) if query.select == "last" else when(best.first, now)
         told = f"{sentence_case(told)}{there}. "
-        told += f"That is when I {query.select} saw {thing}."
+        sure = " for certain" * (answer.otherwise is not None)
+        told += f"That is when I {query.select} saw {thing}{sure}."
         many = said_many(query, term_of(query))
         gone = gone_words(best, now, many=many) if query.select == "last" else ""
         return f"{told} {gone}".strip()

@@ -113,6 +113,7 @@ class Answer:
     apart: for a no about moving, at how many places things were seen then that may be one.
     denied: of how many things people said that they are not the owner's who is asked about, so
     that they were left out; precision: the rung of the matching ladder that was forced.
+    named_alone: the things that a name alone chose for the first object, as people taught it.
     elapsed_ms: parse, retrieve, rank, total.
     """
 
@@ -138,6 +139,7 @@ class Answer:
     in_view: float = 0.0
     doubted: tuple[str, ...] = ()
     denied: int = 0
+    named_alone: tuple[str, ...] = ()
     precision: str | None = None
     truncated: bool = False
     elapsed_ms: dict[str, float] = field(default_factory=dict)

@@ -24,7 +24,16 @@ from d3a.answering.conclude import conclude
 from d3a.answering.facts import Facts
 from d3a.answering.lookalikes import later_names
 from d3a.answering.many import find_many
-from d3a.answering.match import Candidate, Lexicon, in_room, rungs, said_alone, unheard
+from d3a.answering.match import (
+    EXACT,
+    Candidate,
+    Lexicon,
+    in_room,
+    is_by_name,
+    rungs,
+    said_alone,
+    unheard,
+)
 from d3a.answering.miscalled import without_miscalled
 from d3a.answering.moments import Found
 from d3a.answering.places import newest_look, probability_inside
@@ -162,6 +171,8 @@ def _find_objects(run: Run, step: FindObjects) -> None:
     table = Found({c.record.object_id: c for c in found})
     table.known = known
     run.found[step.var] = table
+    if step.var == VARIABLES[0] and not step.among and is_by_name(step, found):
+        run.named_alone = tuple(table.ids)
     listed = run.query.ask in ("what", "count") and step.var == VARIABLES[0]
     one = not listed and step.category != ANYTHING
     told = step.owner in ("me", "you") and one
@@ -195,6 +206,8 @@ def _candidates(run: Run, step: FindObjects, *, looks: bool) -> tuple[list[Candi
 
     looks: with the embeddings, that attributes are judged by.
     """
+    if step.among:
+        return [Candidate(r, EXACT) for r in run.store.objects(ids=step.among, votes=True)], True
     worth, classes = run.facts.rungs(step, run.lexicon)
     known = bool(worth) or bool(classes) or step.precision == "perfect"  # asks for no category
     if step.votes:  # a word may be nobody's category and still have had some votes

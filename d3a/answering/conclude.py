@@ -48,6 +48,7 @@ def conclude(run: Run, limit: int) -> Answer:
         doubted=tuple([m.figure.candidate.record.category for m in run.doubted]),
         apart=run.apart,
         denied=len(run.denied.get(VARIABLES[0], ())),
+        named_alone=run.named_alone,
         precision=next((s.precision for s in run.steps if isinstance(s, FindObjects)), None),
         keyframes=tuple(keyframes),
         otherwise=_otherwise(run),

@@ -168,6 +168,16 @@ def is_named(record: ObjectRecord, step: FindObjects) -> bool:
     )
 
 
+def is_by_name(step: FindObjects, found: Sequence[Candidate]) -> bool:
+    """Whether a name alone chose what was found: my keys are those that were taught to be mine."""
+    return bool(found) and all(
+        any(name.owner == step.owner for name in c.record.names)
+        if step.owner is not None
+        else is_named(c.record, step)
+        for c in found
+    )
+
+
 def owned(step: FindObjects, found: Sequence[Candidate]) -> list[Candidate]:
     """Keep what is taught to be the owner's, where anything is; else all that is nobody else's.
 

@@ -49,7 +49,8 @@ class Run:
     until_ms: from when on or until when a relation was looked for, as the variables `reached`
     allow. spans: by variable, all sightings that count, where those that were found are a choice
     of them; newest_alone: the variables of which each object's newest sighting was found and no
-    other; many: those of which not all stays are read; unplaced: of these those that nobody
+    other; named_alone: the things that a name alone chose for the first variable; many: those of
+    which not all stays are read; unplaced: of these those that nobody
     knows a place of.
     """
 
@@ -86,6 +87,7 @@ class Run:
     reached: set[str] = field(default_factory=set)
     spans: dict[str, Spans] = field(default_factory=dict)
     newest_alone: set[str] = field(default_factory=set)
+    named_alone: tuple[str, ...] = ()
     many: set[str] = field(default_factory=set)
     unplaced: set[str] = field(default_factory=set)
     suggestions: tuple[str, ...] = ()

@@ -29,7 +29,8 @@ class FindObjects:
 
     var: the variable of the formal query; `x.1` is the object that describes `x`.
     votes: also what only some of the detections called so, with the worth of their share.
-    not_owner: who it must not be taught to belong to.
+    not_owner: who it must not be taught to belong to. among: of these ids alone, whatever people
+    call them.
     """
 
     var: str
@@ -39,6 +40,7 @@ class FindObjects:
     precision: Precision | None = None
     votes: bool = False
     not_owner: str | None = None
+    among: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
