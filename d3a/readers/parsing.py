@@ -13,11 +13,15 @@ from typing import Any
 from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from d3a.model import BadInput, Box, Detection, Json
 from d3a.readers.base import Skipped
 
+NOTHING_M2 = 1e3
+"""A variance from here on is how drivers say that they know nothing of an axis."""
+NOTHING_RAD2 = math.pi**2 / 3
+"""The same of a turn: it is the variance of a turn that may be any."""
 MAX_CATEGORY = 100
 """Characters of a category; a longer one is no name of a thing."""
 BROKEN_LINE = "broken line"
@@ -118,11 +122,27 @@ def is_covariance(values: ArrayLike) -> bool:
 
 
 def covariance_of(value: Any) -> tuple[float, ...]:
-    """Return the 36 numbers of a pose's covariance; raises BadInput for what is none."""
+    """Return the 36 numbers of a pose's covariance, axes of which it knows nothing as fixed.
+
+    Raises BadInput for what is none, and for one that knows nothing of x, y or the heading.
+    """
     values = numbers(value, 36, "the covariance")
     if not is_covariance(values):
         raise BadInput("it is not symmetric, or has a variance below 0 along some axis")
-    return values
+    told = of_known_axes(np.reshape(values, (6, 6)))
+    if told is None:
+        raise BadInput("it knows nothing of x, y or the heading")
+    return tuple(float(v) for v in told.ravel())
+
+
+def of_known_axes(covariance: NDArray[np.float64]) -> NDArray[np.float64] | None:
+    """Return a (6, 6) covariance with axes of which it knows nothing as fixed.
+
+    That is how drivers of robots on a floor mean it, of height and tilt. None where it knows
+    nothing of x, y or the heading.
+    """
+    known = covariance.diagonal() < [NOTHING_M2] * 3 + [NOTHING_RAD2] * 3
+    return covariance * np.outer(known, known) if known[[0, 1, 5]].all() else None
 
 
 def box_of(value: Any) -> Box:

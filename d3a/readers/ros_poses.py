@@ -17,16 +17,13 @@ import numpy as np
 
 from d3a.model import BadInput, Pose
 from d3a.readers.base import Link, Skipped
-from d3a.readers.parsing import is_covariance
+from d3a.readers.parsing import is_covariance, of_known_axes
 from d3a.readers.ros_tf import OPTICAL, Edge, Reach, Samples, Tree, composed
 from d3a.readers.ros_topics import Looked, frame_id_of
 from d3a.readers.tracks import BROKEN_POSE
 
 MAP = "map"
 BODY_FRAMES = ("base_link", "base_footprint", "base")
-UNMEASURED = 1e3
-"""A variance from here on (m^2, rad^2) is how planar drivers say that they know nothing of an
-axis: the height and tilt of a robot on a floor."""
 Covariance = tuple[float, ...]
 
 
@@ -91,12 +88,10 @@ def covariance_of(values: Any) -> Covariance | None:
     matrix = np.array(values, dtype=np.float64).reshape(6, 6)
     if not np.isfinite(matrix).all() or not matrix.any() or matrix.diagonal().min() < 0:
         return None
-    unknown = matrix.diagonal() >= UNMEASURED
-    if unknown[:2].any():
+    told = of_known_axes(matrix)
+    if told is None or not is_covariance(told):
         return None
-    matrix[unknown, :] = 0.0
-    matrix[:, unknown] = 0.0
-    return tuple(float(v) for v in matrix.ravel()) if is_covariance(matrix.ravel()) else None
+    return tuple(float(v) for v in told.ravel())
 
 
 @dataclass(frozen=True, slots=True)

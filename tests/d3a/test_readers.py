@@ -296,6 +296,23 @@ def test_what_is_no_covariance_is_counted_and_the_pose_goes_on_without(tmp_path:
     assert reader.skipped.counts == {"broken pose covariance": 4}
 
 
+def test_axes_that_a_covariance_knows_nothing_of_are_fixed(tmp_path: Path) -> None:
+    sure = [0.04, 0.04, 0, 0, 0, 0.01]
+    planar = np.diag([0.04, 0.04, 1e6, 9.9, 1e300, 0.01])  # height and tilt of a robot on a floor
+    lost = [
+        np.diag([*at, 0.1, 0.1, 0.1, turn]) for *at, turn in ((1e4, 1, 1), (1, 1e6, 1), (1, 1, 9))
+    ]
+    given = [each.ravel().tolist() for each in (planar, *lost)]
+    frames = [frame_line(k, pose_covariance=each) for k, each in enumerate(given)]
+    reader = open_source(write_recording(tmp_path / "r", frames, []))
+    first, *others = [frame.pose for frame in reader]
+    assert first is not None
+    assert first.covariance is not None
+    assert np.reshape(first.covariance, (6, 6)).tolist() == np.diag(sure).tolist()
+    assert [pose is not None and pose.covariance for pose in others] == [None] * 3
+    assert reader.skipped.counts == {"broken pose covariance": 3}
+
+
 @pytest.mark.parametrize(
     "facts",
     [
