@@ -259,13 +259,24 @@ def _when(answer: Answer, query: FormalQuery, now: datetime) -> str:
         gone = gone_words(best, now, many=many) if query.select == "last" else ""
         return f"{told} {gone}".strip()
     if len(heads) == 1:
-        return f"{sentence_case(seen_when(best, now))}{there}. I saw {thing} once."
+        told = f"{sentence_case(seen_when(best, now))}{there}. I saw {thing} once."
+        return f"{told}{_maybe_later(answer, query, now)}"
     newest = seen_when(newest_of(answer), now)
     opening = f"I saw {thing} {occasions(len(heads))}"
     if answer.truncated:  # the newest are told: when the first of all was, these do not tell
         return f"{opening} or more, last {newest}."
     first = min(heads, key=lambda k: (k.first, k.rank)).first.astimezone(now.tzinfo)
-    return f"{opening}, first {day_of(first, now)} at {clock(first)} and last {newest}."
+    told = f"{opening}, first {day_of(first, now)} at {clock(first)} and last {newest}."
+    return f"{told}{_maybe_later(answer, query, now)}"
+
+
+def _maybe_later(answer: Answer, query: FormalQuery, now: datetime) -> str:
+    """Return when it was maybe seen, where that is later than the newest that is told as seen."""
+    doubtful = max(heads_of(answer), key=lambda k: (k.last, -k.rank))
+    if doubtful.last <= newest_of(answer).last:
+        return ""
+    pronoun = "them" if said_many(query, term_of(query)) else "it"
+    return f" I may have seen {pronoun} {seen_when(doubtful, now)}, too."
 
 
 def _the_thing(answer: Answer, query: FormalQuery, *, each: bool = False) -> str:

@@ -54,10 +54,23 @@ def keep_present(run: Run, step: KeepPresent) -> None:
         kept = [m for m in kept if next(since[id(m)], None) is None]
     else:
         kept = Doubts(run, step.var, kept, before, newest).judged()
+        kept += _seen_later(run, kept, gone)
     if run.moments is not None:
         run.moments = kept
     else:
         table.sightings = [moment.figure.sighting for moment in kept]
+
+
+def _seen_later(run: Run, kept: Sequence[Moment], gone: Sequence[Moment]) -> list[Moment]:
+    """Return the newest moment that is over, where of a yes or no none holds for certain.
+
+    When it was last so is told then, of whichever it was; only what holds may be so still.
+    """
+    if not kept or run.otherwise is None or run.query.ask != "whether":
+        return []
+    last_ms = max(moment.end_ms for moment in kept)
+    later = [moment for moment in gone if moment.end_ms > last_ms]
+    return [max(later, key=lambda m: (m.end_ms, m.ids))] if later else []
 
 
 def _tell_gone(run: Run, var: str, moment: Moment, newest: Mapping[str, Sighting]) -> None:

@@ -288,6 +288,26 @@ def test_one_known_before_may_be_the_same_unless_a_round_showed_both(two_rooms: 
     assert said.startswith("Yes. I last saw a cup in the living room")
 
 
+def test_of_a_doubtful_yes_the_newest_that_was_there_is_told(two_rooms: Home) -> None:
+    two_rooms.thing("other", "cup", paint="red")
+    two_rooms.seen("other", 50, 60, at=(6, 2, 1))  # seen again after the cup was, in the other room
+    two_rooms.seen("other", 300, 310, at=(1, 1, 1), place=1)
+    two_rooms.seen("other", 250, 260, at=(6, 2, 1))
+    store = OracleStore()
+    two_rooms.into(store)
+    answer = ask(store, "Is the cup in the living room?", now=NOW)
+    assert answer.answer.startswith(
+        "I cannot be sure. I last saw a cup in the living room today at 16:20, 3 hours ago."
+    )
+    assert answer.answer.endswith("today at 17:10, 2 hours ago, in the kitchen.")
+
+
+def test_when_it_was_somewhere_tells_a_later_doubtful_time_too(two_rooms: Home) -> None:
+    two_rooms.seen("cup", 300, 301, at=(1, 1, 1), place=2, probability=0.2, times=1)
+    said = told(two_rooms, "When was the cup in the kitchen?")
+    assert "I saw the cup in the kitchen once. I may have seen it today at 17:01" in said
+
+
 def test_a_list_of_what_is_there_leaves_out_what_may_have_moved(two_rooms: Home) -> None:
     two_rooms.thing("key", "key")
     two_rooms.seen("key", 200, 210, at=(6, 2, 1))
