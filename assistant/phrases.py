@@ -359,20 +359,12 @@ def last_words(answer: Answer, query: FormalQuery, now: datetime, seen: str = ""
     return f"last {seen}{seen_when(newest_of(answer), now)}"
 
 
-def gone_words(
-    keyframe: RankedKeyframe, now: datetime, *, many: bool = False, leads: bool = False
-) -> str:
-    """Return that the place was empty later, "" where nobody looked or it was still there.
-
-    leads: before the place is told, so that there is no "there" yet.
-    """
+def gone_words(keyframe: RankedKeyframe, now: datetime, *, many: bool = False) -> str:
+    """Return that the place was empty later, "" where nobody looked or it was still there."""
     absent = keyframe.last_absent
     if absent is None:
         return ""
     local = absent.astimezone(now.tzinfo)
     moment = f"{day_of(local, now)} at {clock(local)}"
     pronoun, verb = ("they", "were") if many else ("it", "was")
-    if leads:
-        last = f"where I had last seen {'them' if many else 'it'}"
-        return f"When I looked again {moment} {last}, {pronoun} {verb} gone."
     return f"When I looked there again {moment}, {pronoun} {verb} gone."

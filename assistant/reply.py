@@ -180,19 +180,21 @@ def _where(answer: Answer, query: FormalQuery, now: datetime) -> str:
     many = said_many(query, term)
     # of a time that is over it says nothing: the thing was seen since
     is_newest = query.select == "last" and (query.time is None or query.time.end is None)
-    gone = gone_words(best, now, many=many, leads=True) if is_newest else ""
+    gone = gone_words(best, now, many=many) if is_newest else ""
     if "same" in best.why:  # the detector had another word for it there
         words += f" (or {article(kind_of(best))} like {'them' if many else 'it'})"
-    if where:
-        sure = " for certain" * (answer.otherwise is not None)  # what may be it was seen since
-        told = f"{sentence_case(where)}. I {last}{first}saw {words} there{sure} "
-        told += f"{seen_when(best, now)}."
+    sure = " for certain" * (answer.otherwise is not None)  # what may be it was seen since
+    seen = f"{sure} {seen_when(best, now)}"
+    if where and gone:  # told first, it would read as where the thing is
+        told = f"I {last}saw {words}{seen}, {where}."
+    elif where:
+        told = f"{sentence_case(where)}. I {last}{first}saw {words} there{seen}."
     else:
         known = best.place or best.near  # named by the question, and so not told again
         blank = "" if known else f", but {_nowhere_words(best)}"
         told = f"I {last}{first}saw {words} {seen_when(best, now)}{blank}."
     told += _elsewhere_too(answer, query) if query.select == "all" and not since else ""
-    return f"{gone} {told}".strip()
+    return f"{told} {gone}".strip()
 
 
 def _nowhere_words(keyframe: RankedKeyframe) -> str:
@@ -314,8 +316,8 @@ def _what(answer: Answer, query: FormalQuery, now: datetime) -> str:
         things.append("other things")
     condition = condition_words(answer, query)
     if query.select == "last":
-        newest = seen_when(newest_of(answer), now)
-        return f"I last saw {listed(things)}{condition}, the newest {newest}.{_doubted(answer)}"
+        newest = f"{', the newest' * (len(seen) > 1)} {seen_when(newest_of(answer), now)}"
+        return f"I last saw {listed(things)}{condition}{newest}.{_doubted(answer)}"
     return f"I saw {listed(things)}{condition}, {last_words(answer, query, now)}."
 
 

@@ -253,7 +253,7 @@ def test_what_lay_there_and_may_be_elsewhere_is_told_apart(home: Home) -> None:
     home.seen("key", 150, at=(1, 0, 1))
     answer = answered(home, "What is in the kitchen?")
     assert answer.answer == (
-        "I last saw a key in the kitchen, the newest today at 14:30, 4 hours ago. A bowl that I "
+        "I last saw a key in the kitchen today at 14:30, 4 hours ago. A bowl that I "
         "saw there may be elsewhere by now."
     )
     assert [k.object_id for k in answer.keyframes] == ["key"]

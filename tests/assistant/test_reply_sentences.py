@@ -64,9 +64,9 @@ SAID = {
         "hours ago. I am fairly sure: seen five times."
     ),
     "Where is the second bowl?": (
-        "When I looked again today at 13:40 where I had last seen it, it was gone. In the kitchen, "
-        "next to the dining table. I last saw the bowl there today at 12:30, 6 hours ago. I am "
-        "fairly sure: seen five times. Which one is the second I cannot tell."
+        "I last saw the bowl today at 12:30, 6 hours ago, in the kitchen, next to the dining "
+        "table. When I looked there again today at 13:40, it was gone. I am fairly "
+        "sure: seen five times. Which one is the second I cannot tell."
     ),
     "When was the cup on the dining table with the bowl?": (
         "I saw the cup on the dining table with the bowl on two occasions, first today at 12:00 "
@@ -86,9 +86,9 @@ SAID = {
         "31 hours ago. I am fairly sure: seen five times."
     ),
     "Where is the bowl?": (
-        "When I looked again today at 13:40 where I had last seen it, it was gone. In the kitchen, "
-        "next to the dining table. I last saw the bowl there today at 12:30, 6 hours ago. I am "
-        "fairly sure: seen five times."
+        "I last saw the bowl today at 12:30, 6 hours ago, in the kitchen, next to the dining "
+        "table. When I looked there again today at 13:40, it was gone. I am fairly "
+        "sure: seen five times."
     ),
     "Is there a bowl on the dining table?": (
         "No, not any more. I last saw the bowl today at 12:30, 6 hours ago, in the kitchen. When "
@@ -139,7 +139,7 @@ SAID = {
         "next to the couch, today at 15:30, 4 hours ago."
     ),
     "What is on the kitchen table?": (
-        "I last saw a cup on the kitchen table, the newest today at 12:30, 6 hours ago."
+        "I last saw a cup on the kitchen table today at 12:30, 6 hours ago."
     ),
     "What was on the table in the kitchen?": (
         "I saw two cups and a bowl on the table in the kitchen, last today at 12:30, 6 hours ago."
@@ -178,7 +178,7 @@ SAID = {
     ),
     "How many cups did you see?": "Two cups, last seen today at 15:30, 4 hours ago.",
     "What is on the dining table?": (
-        "I last saw a cup on the dining table, the newest today at 12:30, 6 hours ago."
+        "I last saw a cup on the dining table today at 12:30, 6 hours ago."
     ),
     "What was on the dining table?": (
         "I saw two cups and a bowl on the dining table, last today at 12:30, 6 hours ago."
