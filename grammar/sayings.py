@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 from grammar.closed import words_of
+from grammar.nountags import KIN
 from grammar.vocabulary import files
 from grammar.words import Word
 
@@ -55,3 +56,26 @@ def sections() -> dict[str, Phrases]:
             {k: tuple(sorted(v, key=len, reverse=True)) for k, v in by_first.items()}
         )
     return found
+
+
+def seeking(words: list[Word], i: int) -> int:
+    """Return how many words at `i` say that somebody looks for what follows, 0 for none.
+
+    Of another it is said as of oneself: mum can not find, she is looking for.
+    """
+    seek = sections()["seek"]
+    if count := seek.at(words, i):
+        return count
+    owned = i < len(words) and words[i].text in ("my", "our")
+    subject = i + owned
+    if subject + 1 >= len(words) or words[subject].text not in (*KIN, *_OTHERS[: 3 * (not owned)]):
+        return 0
+    verb = words[subject + 1]
+    told = replace(verb, text=_AS_OF_ME.get(verb.text, verb.text))
+    of_me = [replace(verb, text="i"), told, *words[subject + 2 :]]
+    count = seek.at(of_me, 0)
+    return count + owned if count > 1 else 0
+
+
+_OTHERS = ("he", "she", "they")
+_AS_OF_ME = {"is": "am", "are": "am", "has": "have"}

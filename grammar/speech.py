@@ -12,7 +12,7 @@ from grammar.closed import LEADING, is_open, words_of
 from grammar.corrections import HESITATING, corrected
 from grammar.nountags import KIN, PEOPLE
 from grammar.phrases import asks_at_start, phrases
-from grammar.sayings import AUXILIARIES, QUESTION_STARTS, QUESTION_WORDS, sections
+from grammar.sayings import AUXILIARIES, QUESTION_STARTS, QUESTION_WORDS, sections, seeking
 from grammar.vocabulary import Lexicon
 from grammar.words import Word
 
@@ -250,7 +250,7 @@ _LEAVING = words_of("put leave left find found see seen saw lose lost spot keep 
 def _opened(words: list[Word]) -> list[Word]:
     """Take wake words and indirect openings off the start."""
     said = sections()
-    wake, prefix, seek = said["wake"], said["prefix"], said["seek"]
+    wake, prefix = said["wake"], said["prefix"]
     i = 0
     while i < len(words):
         count = prefix.at(words, i)
@@ -264,7 +264,7 @@ def _opened(words: list[Word]) -> list[Word]:
         if words[i].text == ",":
             i += 1
             continue
-        count = seek.at(words, i)
+        count = seeking(words, i)
         if count and i + count < len(words) and words[i + count].text != "to":
             return [Word(SEEK, words[i].start, words[i + count - 1].end), *words[i + count :]]
         count = wake.at(words, i)

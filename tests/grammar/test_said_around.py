@@ -287,3 +287,19 @@ def test_the_later_words_count(asked: str, first: str, then: str, mark: str) -> 
 )
 def test_things_asked_for_after_the_question_belong_to_it(said: str, plainly: str) -> None:
     assert alike(said, plainly)
+
+
+@pytest.mark.parametrize(
+    ("said", "thing"),
+    [
+        ("She can't find her purse", "handbag"),
+        ("my wife cannot find her purse", "handbag"),
+        ("mum can't find her glasses", "glasses"),
+        ("she is looking for her phone", "cell phone"),
+        ("They can't find the scissors", "scissors"),
+    ],
+)
+def test_what_another_person_looks_for_is_asked_for(said: str, thing: str) -> None:
+    query = parse(said, now=NOW)
+    assert (query.ask, query.select, query.negated) == ("where", "last", False)
+    assert [term.category for term in query.objects] == [thing]
