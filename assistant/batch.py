@@ -19,16 +19,14 @@ class LineError(ValueError):
 
 
 def run(store: Store, lines: Iterable[str], *, now: datetime, limit: int = 50) -> Iterator[Answer]:
-    """Yield the answer of each line; blank lines are left out.
+    """Yield the answer of each line, of an empty one too: the records are as many as the lines.
 
     A line is a question, or a JSON object {"id", "text", "now"} of which `text` alone is needed;
     its `now` is ISO with an offset, else that of the home. A line that is neither gives an answer
-    with the status "not_understood" and goes on.
+    with the status "not_understood", and the next line is read.
     """
     for line in lines:
         said = line.strip()
-        if not said:
-            continue
         try:
             text, name, moment = _question(said, now)
         except LineError as error:
@@ -52,6 +50,8 @@ def failed(line: str, said: str) -> Answer:
 
 
 def _question(line: str, now: datetime) -> tuple[str, str | None, datetime]:
+    if not line:
+        raise LineError("This line is empty.")
     if not line.startswith("{"):
         return line, None, now
     try:

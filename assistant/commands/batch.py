@@ -31,8 +31,8 @@ def command(context: click.Context, questions: IO[str], limit: int) -> None:
     """Answer the questions in the file QUESTIONS, or - for standard input.
 
     A line is a question, or a JSON object {"id", "text", "now"}; the answers come in that order,
-    a JSON object a line. A bad line gives a record with its error and does not stop the rest; the
-    status is 1 when the store failed on one.
+    a JSON object a line. A bad or empty line gives a record with its error and does not stop the
+    rest; the status is 1 when the store failed on one.
     """
     settings = settings_of(context)
     from assistant.batch import failed, run
@@ -53,7 +53,6 @@ def command(context: click.Context, questions: IO[str], limit: int) -> None:
             raise
         failure.show()
         for line in questions:
-            if line.strip():
-                write(failed(line, failure.format_message()))
+            write(failed(line, failure.format_message()))
         failed_any = True
     context.exit(ExitCode.NOTHING if failed_any else ExitCode.OK)

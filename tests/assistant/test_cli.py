@@ -268,8 +268,9 @@ def test_batch_keeps_order_and_ids(run: Run, filled: str, tmp_path: Path) -> Non
     (tmp_path / "questions.txt").write_text("\n".join(lines))
     result = run("batch", "questions.txt", "--store", filled, "--now", NOW)
     assert result.exit_code == 0
-    first, second, third = records(result)
-    assert (first["status"], second["id"], third["status"]) == ("found", "b", "found")
+    first, second, empty, fourth = records(result)
+    assert (first["status"], second["id"], fourth["status"]) == ("found", "b", "found")
+    assert (empty["status"], empty["answer"]) == ("not_understood", "This line is empty.")
     broken = run("batch", "-", "--store", filled, "--now", NOW, input='{"text": 1}\nwhere is it')
     assert broken.exit_code == 0
     assert [record["status"] for record in records(broken)] == ["not_understood"] * 2
@@ -566,7 +567,11 @@ def test_a_failing_store_gives_a_record_a_question(run: Run, tmp_path: Path) -> 
     asked = run("batch", "-", *store, input=lines)
     answers = records(asked)
     assert asked.exit_code == 1
-    assert [(r["id"], r["status"]) for r in answers] == [(None, "error"), ("b", "error")]
+    assert [(r["id"], r["status"]) for r in answers] == [
+        (None, "error"),
+        (None, "error"),
+        ("b", "error"),
+    ]
 
 
 def test_the_version_of_a_tree_that_is_not_installed(
