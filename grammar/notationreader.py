@@ -331,9 +331,11 @@ def _noun_last(words: list[str]) -> list[str]:
 
 
 def _is_look(word: str) -> bool:
-    """Whether a word describes, by itself or after its shade: blue, light-blue."""
+    """Whether a word describes, by itself or after its shade: blue, light-blue, dark blue."""
     looks = lexicon().attributes
-    return word in looks or word.rpartition("-")[2] in looks
+    if word in looks:
+        return True
+    return word.replace("-", " ").rpartition(" ")[2] in looks and not lexicon().known_noun(word)
 
 
 def _bound(sign: str) -> Bound:

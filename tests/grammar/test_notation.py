@@ -187,6 +187,7 @@ def test_different_times_have_different_notations_for_people(
             "where is the light-blue cup",
             "light-blue(x), cup(y) | STc.find(OIc.find(x, y)) | select last",
         ),
+        ("did you see a dark blue cup", "dark_blue(x), cup(y) | OIc.find(x, y)"),
         ("did you see a cup that is not red", "cup(x), not red(x) | OIc.find(x)"),
         ("did you see Anna's cup", 'cup(x), of(x, "anna") | OIc.find(x)'),
         ("did you see two cups", "cup(x), count(x, 2) | OIc.find(x)"),
