@@ -10,6 +10,7 @@ from time import perf_counter
 from typing import Literal, cast, get_args
 from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 
+from assistant.agreeing import agreed
 from assistant.all_of_them import some_of_them_words, wherever_they_are
 from assistant.beside import where_it_is
 from assistant.either import one_or_another, told_of_either
@@ -267,7 +268,7 @@ def _told(
     if all_of_them := wherever_they_are(asked):
         whole = _answered(store, all_of_them, facts, now, limit, rung)
         return replace(told, answer=some_of_them_words(answer, whole, asked, now) or told.answer)
-    return told
+    return agreed(told, facts)
 
 
 def _told_from(query: FormalQuery) -> int:

@@ -47,8 +47,7 @@ def sureness(answer: Answer, query: FormalQuery) -> str:
         return ""
     if is_by_look(best.object_id):
         return "It looks like it: I know it by its colours alone."
-    band = how_sure(best)
-    said = "This is a guess" if band == "a guess" else f"I am {band}"
+    said = sure_words(best)
     rivals = [k for k in heads_of(answer)[1:] if k.object_id != best.object_id]
     close = [k for k in rivals if k.score >= 0.8 * best.score]
     if query.ask == "where" and query.select == "last" and asks_for_each(answer, query):
@@ -59,6 +58,12 @@ def sureness(answer: Answer, query: FormalQuery) -> str:
             return f"What I saw at {counted(number, 'other place')} may be the same."
         return others_words(number, said_many(query, term_of(query)))
     return f"{said}: {_seen(answer, query, best)}."
+
+
+def sure_words(keyframe: RankedKeyframe) -> str:
+    """Return how sure a keyframe is, as the beginning of a sentence."""
+    band = how_sure(keyframe)
+    return "This is a guess" if band == "a guess" else f"I am {band}"
 
 
 def _seen(answer: Answer, query: FormalQuery, best: RankedKeyframe) -> str:

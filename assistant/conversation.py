@@ -16,7 +16,6 @@ from typing import TYPE_CHECKING, Literal
 from assistant.asking import ask, ask_query, explain, failure, refusal, store_words
 from assistant.courtesies import courteous
 from assistant.dialogue import Seen, follow, is_about_the_same, is_beside, is_of_the_listed
-from assistant.phrases import tells_nothing
 from assistant.pointing import (
     NOTHING_SHOWN,
     AskedOf,
@@ -170,8 +169,6 @@ class Conversation:
         if row is not None and is_of_the_listed(heard, before.last, _seen(row, before.last), text):
             meant = row.object_id
         answer = self._as_meant(answer, refused, meant, before.last)
-        if tells_nothing(answer):  # what stands in the list would be all that was ever seen
-            answer = replace(answer, keyframes=(), count=0, truncated=False)
         self._said = _Said(heard, answer, refused, meant, text)
         self.pointer.to(told(answer))
         return answer

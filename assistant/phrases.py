@@ -326,10 +326,9 @@ def tells_nothing(answer: Answer) -> bool:
     conditions = (query.relation is not None) + (query.place is not None) + whose
     conditions += len(term.other_than)
     anything = term.category == ANYTHING and not term.attributes
-    listing = query.ask in ("what", "whether", "count", "where")
     named = {each.word for each in query.terms}  # by a wider word: a thing was found all the same
     left_out = sum(word not in named for word in answer.unjudged)
-    return anything and listing and 0 < conditions <= left_out
+    return anything and 0 < conditions <= left_out
 
 
 def likely_of(answer: Answer) -> list[RankedKeyframe]:

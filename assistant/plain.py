@@ -9,10 +9,10 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from typing import TextIO
 
-from assistant.session import Session, questions_for, told
+from assistant.session import Session, questions_for
 from assistant.slashes import BOX_USAGE, COMMANDS, bare, slashed, unknown
 from assistant.terminal import clean, clean_lines
-from assistant.wording import keyframe_row, more_words
+from assistant.wording import keyframe_row, more_words, told
 from d3a.answer import Answer
 
 HELP = """Type a question, and Enter. Also:
@@ -81,7 +81,9 @@ class PlainChat:
     def _offers(self) -> bool:
         """Whether the answer before offers readings to choose from by their numbers."""
         answer = self._answer
-        return answer is not None and bool(answer.suggestions) and answer.query is None
+        if answer is None or (answer.keyframes and answer.query is not None):
+            return False
+        return bool(answer.suggestions)
 
     def _reply(self, text: str, typed: str = "") -> None:
         answer = self._session.safely(text)

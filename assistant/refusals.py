@@ -66,7 +66,8 @@ def refusal_words(answer: Answer, query: FormalQuery, now: datetime) -> str:
     refused = answer.otherwise.why.get("refused") if answer.otherwise is not None else None
     change = query.ask in ("moved", "missing")
     if answer.looked_then is False and (change or answer.reason in ("not_then", "not_there")):
-        told = f"I was not looking{looking_into(answer, query)}{time}, so I cannot tell."
+        looked = "was not looking" if query.time else "never looked"
+        told = f"I {looked}{looking_into(answer, query)}{time}, so I cannot tell."
     elif answer.reason == "never" and answer.denied and term == term_of(query) and term.owner:
         return _all_denied(answer.denied, noun_of(term), term.owner)
     elif refused:

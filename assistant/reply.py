@@ -12,7 +12,7 @@ from dataclasses import replace
 from datetime import datetime
 
 from assistant.amounts import amount_words
-from assistant.caveats import is_open, left_out, sureness
+from assistant.caveats import is_open, left_out, sure_words, sureness
 from assistant.changed import missing_words, moved_words
 from assistant.conditions import condition_words, gathered_words
 from assistant.counting import count_words
@@ -299,6 +299,14 @@ def _the_thing(answer: Answer, query: FormalQuery, *, each: bool = False) -> str
     return words + (was if condition else "") + condition
 
 
+def _what_told(answer: Answer, query: FormalQuery, now: datetime) -> str:
+    """Return what was seen, after how sure that is where none of it is rather right than wrong."""
+    told, best = _what(answer, query, now), max(heads_of(answer), key=lambda k: k.score)
+    if query.select == "usual" or any(is_sure(keyframe) for keyframe in heads_of(answer)):
+        return told
+    return f"{sure_words(best)}: {told}"
+
+
 def _what(answer: Answer, query: FormalQuery, now: datetime) -> str:
     if query.select == "usual" and query.ask == "what":
         return often_words(answer, query)
@@ -311,7 +319,12 @@ def _what(answer: Answer, query: FormalQuery, now: datetime) -> str:
     seen = {k.object_id: kind_of(k) for k in sorted(sure, key=lambda k: -k.score)}
     seen = dict([*seen.items()][: answer.count])  # what is doubtful is listed, and not counted
     kinds = Counter(seen.values()).most_common()
+    certain = {kind_of(keyframe) for keyframe in heads if is_sure(keyframe)}
+    kinds.sort(key=lambda pair: pair[0] not in certain and bool(certain))
     things = [_of_kind(answer, query, kind, number) for kind, number in kinds[:8]]
+    if certain:  # where nothing is, that is said of all
+        doubted = [kind not in certain for kind, _ in kinds]
+        things = ["perhaps " * doubt + thing for doubt, thing in zip(doubted, things, strict=False)]
     if len(kinds) > len(things) or answer.count > len({k.object_id for k in heads}):
         things.append("other things")
     condition = condition_words(answer, query)
@@ -366,7 +379,7 @@ _ASKED: dict[Ask, Callable[[Answer, FormalQuery, datetime], str]] = {
     "whether": _whether,
     "where": _where,
     "when": _when,
-    "what": _what,
+    "what": _what_told,
     "count": count_words,
     "how_long": how_long_words,
     "how_often": _how_often,

@@ -84,17 +84,6 @@ class Session:
             return f"{type(error).__name__}: {error}"
 
 
-def told(answer: Answer) -> tuple[str, str]:
-    """Return the sentence of an answer and what is to be added to it, each said once.
-
-    What is offered stands below as a list, so the sentence that names one of it gives way.
-    """
-    sentence, reason = answer.answer or answer.message or "", answer.message or ""
-    if answer.suggestions and reason and sentence.startswith(reason):
-        return reason, ""
-    return sentence, reason if reason != sentence else ""
-
-
 def known_words(store: Store) -> tuple[str, ...]:
     """Return what the store can be asked about, commonest first: categories, names, places."""
     categories = sorted(store.categories(), key=lambda pair: (-pair[1], pair[0]))

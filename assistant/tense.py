@@ -68,6 +68,11 @@ def lasting(query: FormalQuery) -> Lasting | None:
     return "newest" if (still or _is_present(query.text)) and query.time is None else "all"
 
 
+def asks_for_a_sighting(query: FormalQuery) -> bool:
+    """Whether it is asked what was seen, and not what was so: did you see it, not was it there."""
+    return any(word in _SEEING for word in _words(query.text))
+
+
 def is_no_more(answer: Answer, query: FormalQuery) -> bool:
     """Whether it is asked if there is a thing still, and each that was seen was gone later.
 

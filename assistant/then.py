@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from datetime import datetime
+from datetime import datetime, timedelta
 
 from assistant.conditions import condition_words
 from assistant.english import sentence_case, slice_words, when
@@ -17,9 +17,13 @@ from assistant.phrases import (
     where_words,
 )
 from assistant.said import is_one, said_many
+from assistant.tense import asks_for_a_sighting
 from d3a.answer import Answer, RankedKeyframe
 from d3a.answering.points import MINUTE
 from grammar.forms import FormalQuery, TimeSlice
+
+_LOOK_AROUND = timedelta(minutes=10)
+"""Sightings so near to each other are of one look around the home, as an interval is closed by."""
 
 
 def where_then(answer: Answer, query: FormalQuery, at: datetime, now: datetime) -> str:
@@ -45,6 +49,29 @@ def where_then(answer: Answer, query: FormalQuery, at: datetime, now: datetime) 
     return " ".join(told)
 
 
+def was_so(answer: Answer, query: FormalQuery, at: datetime) -> bool:
+    """Whether what was seen before and after a moment tells that it was so then.
+
+    So it was where it was being seen, and where the last look before the moment and the first
+    after it found it so, or none came after and nobody found it gone. So it was, too,
+    where it was seen so in the same look around, and nearer to the moment than elsewhere. Who asks
+    whether it was seen then asks for no more than what was seen.
+    """
+    heads = likely_of(answer)
+    if any(_is_during(keyframe, at) for keyframe in heads):
+        return True
+    before = max((k for k in heads if k.end < at), key=lambda k: (k.end, -k.rank), default=None)
+    after = min((k for k in heads if k.start > at), key=lambda k: (k.start, k.rank), default=None)
+    if asks_for_a_sighting(query):
+        return False
+    near = min((_apart(k, at) for k in (before, after) if k is not None), default=_LOOK_AROUND)
+    if near < _LOOK_AROUND and (answer.otherwise is None or near < _apart(answer.otherwise, at)):
+        return True
+    if before is None or answer.otherwise is not None:
+        return False
+    return after is not None or before.last_absent is None
+
+
 def whether_then(
     answer: Answer, query: FormalQuery, at: datetime, now: datetime, opening: str
 ) -> str:
@@ -63,6 +90,8 @@ def whether_then(
     told = [f"I did not see {thing}{condition} {moment}."]
     if answer.looked_then is False:
         told = [f"I was not looking{looking_into(answer, query)} {moment}."]
+    if opening and not query.negated and was_so(answer, query, at):
+        told.insert(0, "Probably.")
     some = "some" if many else "one"
     known = (thing if term.owner else "them" if many else "it") if is_one(query) else some
     other = answer.otherwise
@@ -97,6 +126,11 @@ def looking_into(answer: Answer, query: FormalQuery) -> str:
     """Return the room that was looked into: " in the kitchen"; "" where none was asked for."""
     told = query.place and not query.outside and not answer.unjudged
     return f" {asked_place(query, query.place)}" if query.place and told else ""
+
+
+def _apart(keyframe: RankedKeyframe, at: datetime) -> timedelta:
+    """Return how long before or after a moment a keyframe's interval ends or begins."""
+    return max(at - keyframe.end, keyframe.start - at)
 
 
 def _is_during(keyframe: RankedKeyframe, at: datetime) -> bool:

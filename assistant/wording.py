@@ -9,7 +9,6 @@ from __future__ import annotations
 from datetime import UTC, datetime, timedelta
 from typing import TYPE_CHECKING
 
-from assistant.phrases import tells_nothing
 from assistant.terminal import clean, table
 
 if TYPE_CHECKING:
@@ -101,21 +100,31 @@ def answer_lines(answer: Answer, now: datetime, *, rows: int | None = None) -> l
 
     rows: how many keyframes at most, None for all of the answer's.
     """
-    lines = [answer.answer or answer.message or ""]
-    if answer.message and answer.message != answer.answer and answer.answer:
-        lines.append(answer.message)
-    if (answer.keyframes or answer.instead) and not tells_nothing(answer):
+    sentence, reason = told(answer)
+    lines = [sentence, *([reason] if reason else [])]
+    if answer.keyframes or answer.instead:
         header = ["#", "what", "last seen", "where", "how sure", "seen", "score", "frame"]
-        told = answer.keyframes or answer.instead
-        shown = told[:rows]
+        listed = answer.keyframes or answer.instead
+        shown = listed[:rows]
         cells = [[str(k.rank), *keyframe_row(k, now), f"{k.score:.2f}", k.frame] for k in shown]
         lines += ["", *table([header, *cells], limits={1: 24, 3: 34, 7: 24})]
-        if len(shown) < len(told):
-            lines.append(f"({len(told) - len(shown)} more)")
+        if len(shown) < len(listed):
+            lines.append(f"({len(listed) - len(shown)} more)")
         elif answer.truncated:
             lines.append(f"(the first {len(shown)}; --limit shows more)")
     lines += [f"Did you mean: {clean(suggestion)}" for suggestion in answer.suggestions]
     return lines
+
+
+def told(answer: Answer) -> tuple[str, str]:
+    """Return the sentence of an answer and what is to be added to it, each said once.
+
+    What is offered stands below as a list, so the sentence that names one of it gives way.
+    """
+    sentence, reason = answer.answer or answer.message or "", answer.message or ""
+    if answer.suggestions and reason and sentence.startswith(reason):
+        return reason, ""
+    return sentence, reason if reason != sentence else ""
 
 
 def from_ms(milliseconds: int, now: datetime) -> datetime:

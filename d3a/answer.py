@@ -101,8 +101,8 @@ class Answer:
     perhaps: for a no that is not sure, what may be it after all, the likeliest first; then
     `otherwise` is the first of them.
     unjudged: conditions this store cannot judge. looked_then: for a no about a time, or what was
-    seen before and after a moment, whether there was any look then (into the asked room); for the
-    sentence, not part of the record.
+    seen before and after a moment, whether there was any look then (into the asked room), and
+    False of a room that was never looked into; for the sentence, not part of the record.
     count of a no: how many there were where more were asked for.
     amounts: of several objects that were counted at once, the least and the most of each. kinds:
     of what is listed, how many must be different things of each category.

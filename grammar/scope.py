@@ -219,10 +219,11 @@ def refuse_noise(
         assert isinstance(value, Noun)
         led = any(t.type in ("DET", "OWNER") for t in tagged.tags)
         if not value.known and not (led or timed):
+            typed = text[noun.word.start : noun.word.end]
             raise NotUnderstood(
                 text,
                 noun.word.start,
-                f"I do not know “{value.said}”.",
+                f"I do not know “{value.said if ' ' in value.said else typed}”.",
                 suggestions(rest, lexicon, text),
             )
 

@@ -22,7 +22,7 @@ from textual.screen import Screen
 from textual.widgets import Input
 
 from assistant.protocols import Kind
-from assistant.session import Session, told
+from assistant.session import Session
 from assistant.slashes import BOX_USAGE, COMMANDS, Command, bare, unknown
 from assistant.speaking import Voice
 from assistant.terminal import clean
@@ -38,7 +38,7 @@ from assistant.ui.save import save_answer, save_text
 from assistant.ui.sheets import HELP, FloorSheet, LargeSheet, PictureSheet, Sheet, why_text
 from assistant.ui.waiting import Saying, WaitingLine
 from assistant.ui.world import News, World, read_news, survey
-from assistant.wording import keyframe_row
+from assistant.wording import keyframe_row, told
 from d3a.answer import Answer, RankedKeyframe
 from d3a.model import D3AError
 from d3a.store.base import Keyframe

@@ -10,10 +10,9 @@ from rich.text import Text
 from textual.reactive import reactive
 from textual.widget import Widget
 
-from assistant.session import told
 from assistant.terminal import clean, shorten
 from assistant.ui.floor import Floor, draw_floor, is_drawable, marks_of
-from assistant.wording import more_words, short_time
+from assistant.wording import more_words, short_time, told
 
 if TYPE_CHECKING:
     from datetime import datetime

@@ -10,7 +10,7 @@ import numpy as np
 from d3a.answering.conclude import least_of
 from d3a.answering.distinct import may_be_one, things_of
 from d3a.answering.moments import Found, Moment, in_slice, single
-from d3a.answering.places import last_look
+from d3a.answering.places import last_look, newest_look
 from d3a.answering.points import edge_of, looked_at
 from d3a.answering.run import Run, milliseconds
 from d3a.plan import ExplainEmpty
@@ -178,10 +178,11 @@ def _seen_apart(run: Run, step: ExplainEmpty, var: str) -> None:
 def _looked_then(run: Run, step: ExplainEmpty) -> bool | None:
     """Return whether there was a look in the asked slice; None where no time was asked for.
 
-    Where a room is asked for and the poses are known, whether the look was into it.
+    Where a room is asked for and the poses are known, whether the look was into it. One that was
+    never looked into was not at any time.
     """
     if step.time is None:
-        return None
+        return False if _is_unvisited(run, step.place) else None
     time = looked_at(step.time)
     start, end = milliseconds(time.start), milliseconds(time.end)
     views = run.store.views(start_ms=start, end_ms=None if end is None else end - 1)
@@ -189,6 +190,16 @@ def _looked_then(run: Run, step: ExplainEmpty) -> bool | None:
     if region is None or any(view.x is None for view in views):
         return bool(views)
     return last_look(views, region) is not None
+
+
+def _is_unvisited(run: Run, place: str | None) -> bool:
+    """Whether a place is one that no look was ever into, as far as all poses are known."""
+    region = run.region(place)
+    if region is None or run.query.outside:
+        return False
+    if newest_look(run.store, region, run.facts.last_view_ms()) is not None:
+        return False
+    return all(view.x is not None for view in run.store.views())
 
 
 def _say_which(run: Run, var: str) -> None:

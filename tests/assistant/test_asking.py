@@ -19,7 +19,6 @@ from assistant.asking import (
     store_now,
     store_words,
 )
-from assistant.wording import answer_lines
 from d3a.answering.facts import Facts
 from d3a.model import BadInput
 from d3a.parameters import DEFAULT, PAPER
@@ -318,13 +317,6 @@ def test_a_place_that_is_no_more_is_the_things_of_its_name() -> None:
         "near",
     )
     assert answer.keyframes[0].object_id == "cup"
-
-
-def test_no_list_stands_below_what_cannot_be_told() -> None:
-    answer = ask(with_a_desk(), "what did you see in the garage today?", now=NOW)
-    assert (answer.status, answer.unjudged) == ("found", ("in the garage",))
-    assert answer.keyframes  # the record has them, with a lower score
-    assert answer_lines(answer, NOW) == ["I cannot tell what is “in the garage” here."]
 
 
 class Unrevised(OracleStore):

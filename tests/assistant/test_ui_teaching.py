@@ -9,10 +9,11 @@ import pytest
 from textual.command import CommandList, CommandPalette
 
 from assistant.conversation import Conversation
-from assistant.session import Session, told
+from assistant.session import Session
 from assistant.slashes import COMMANDS
 from assistant.ui.lists import KeyframeList, QuestionList
 from assistant.ui.panels import FloorView
+from assistant.wording import told
 from d3a.answer import Answer
 from d3a.store.base import Batch, RecordingRecord, StoreUnreachable, TaughtName
 from tests.worlds import small_home
