@@ -51,9 +51,17 @@ def follow(
     """
     if last is None:
         return parse(text, now=now, words=words)
-    told = seen.thing if seen is not None else None
+    told = _spoken_of(last) or (seen.thing if seen is not None else None)
     found = parse_fragment(text, now=now, words=words, previous=last, told=told)
     return found if isinstance(found, FormalQuery) else merge(last, found, seen)
+
+
+def _spoken_of(last: FormalQuery) -> ObjectTerm | None:
+    """Return what a list was asked for around, where it was said as `it` already: that it stays."""
+    if not is_list(last) or last.relation is None or len(last.objects) != 2:
+        return None
+    ground, words = last.objects[1], last.text.lower().strip(" ?!.").split()
+    return ground if "it" in words and not _is_said(ground, last.text) else None
 
 
 def is_about_the_same(query: FormalQuery, last: FormalQuery | None, text: str) -> bool:

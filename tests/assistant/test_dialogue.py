@@ -199,3 +199,14 @@ def test_what_names_the_thing_told_goes_on_about_no_single_one() -> None:
     found = follow(text, now=NOW, words=WORDS, last=last, seen=TOLD)
     assert found.objects == (TOLD.thing,)
     assert not is_of_the_listed(found, last, TOLD, text)
+
+
+def test_it_stays_what_a_list_was_asked_around_by_it() -> None:
+    cup = parse("where is the blue cup?", now=NOW, words=WORDS)
+    around = follow("what is next to it?", now=NOW, words=WORDS, last=cup)
+    seen = Seen(NOW, NOW, ObjectTerm("bed", "bed"))
+    query = follow("how often did you see it?", now=NOW, words=WORDS, last=around, seen=seen)
+    assert [(term.word, term.attributes) for term in query.objects] == [("cup", ("blue",))]
+    named = parse("what is next to the blue cup?", now=NOW, words=WORDS)
+    query = follow("how often did you see it?", now=NOW, words=WORDS, last=named, seen=seen)
+    assert [term.word for term in query.objects] == ["bed"]
