@@ -19,6 +19,7 @@ from types import TracebackType
 from typing import Any, Literal
 
 from assistant import asking
+from assistant.explanation import Explanation
 from assistant.tense import planned
 from d3a.answer import Answer
 from d3a.answering.facts import Facts
@@ -125,7 +126,7 @@ class Memory:
 
     def explain(
         self, question: Question, *, now: Now = None, precision: str | None = None
-    ) -> asking.Explanation:
+    ) -> Explanation:
         """Answer a question and tell how: plan, native queries with index and rows, times.
 
         Raises BadQuestion.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from datetime import datetime
 from time import perf_counter
 from typing import Literal, cast, get_args
@@ -14,8 +14,11 @@ from assistant.agreeing import agreed
 from assistant.all_of_them import some_of_them_words, wherever_they_are
 from assistant.beside import where_it_is
 from assistant.either import one_or_another, told_of_either
+from assistant.explanation import Explanation
 from assistant.forgotten_words import but_forgotten
 from assistant.lexicon import VocabularyLexicon
+from assistant.newest_frame import newest_frame
+from assistant.not_begun import not_begun_words
 from assistant.numbers_together import so_many_and_more, told_of_so_many
 from assistant.own_words import as_heard
 from assistant.passed_over import of_its_clause, of_its_number
@@ -32,7 +35,7 @@ from d3a.answering.conclude import within
 from d3a.answering.facts import Facts
 from d3a.answering.points import asks_where_all_is
 from d3a.execute import execute
-from d3a.model import BadInput, Json
+from d3a.model import BadInput
 from d3a.parameters import Parameters
 from d3a.plan import Plan, Precision
 from d3a.store.base import FORGOTTEN, NativeQuery, Store, StoreError
@@ -44,53 +47,6 @@ from grammar.notation import looks_formal, read
 TOLD_FROM = 50
 """The sentence is told from so many keyframes, however few of them are shown."""
 PRECISIONS: tuple[Precision, ...] = get_args(Precision)
-
-
-@dataclass(frozen=True, slots=True)
-class Explanation:
-    """How a question is answered: formal query, plan, the store's native queries, times."""
-
-    query: FormalQuery
-    plan: Plan
-    native: tuple[NativeQuery, ...]
-    answer: Answer
-    elapsed_ms: dict[str, float] = field(default_factory=dict)
-
-    def to_json(self) -> Json:
-        """Return one record: query, plan, native queries with index, rows and ms, times."""
-        return {
-            "text": self.query.text,
-            "query": self.query.to_json(),
-            "plan": self.plan.to_json(),
-            "native": [
-                {
-                    "query": native.text,
-                    "index": native.index,
-                    "rows": native.rows,
-                    "elapsed_ms": round(native.elapsed_ms, 3),
-                }
-                for native in self.native
-            ],
-            "status": self.answer.status,
-            "count": self.answer.count,
-            "answer": self.answer.answer,
-            "elapsed_ms": {name: round(ms, 3) for name, ms in self.elapsed_ms.items()},
-        }
-
-    def to_text(self) -> str:
-        """Return the same for reading, a line a step and a line a native query."""
-        lines = [f"query   {self.query.formal}", "plan"]
-        lines += [f"  {number}. {line}" for number, line in enumerate(self.plan.lines(), 1)]
-        lines.append("native queries")
-        for native in self.native:
-            index = native.index or "no index"
-            lines.append(f"  {native.elapsed_ms:7.3f} ms  {native.rows:6d} rows  {index}")
-            lines.append(f"      {native.text}")
-        spent = ", ".join(f"{name} {ms:.2f}" for name, ms in self.elapsed_ms.items())
-        lines.append(f"answer  {self.answer.status}, {self.answer.count} objects")
-        lines.append(f"        {self.answer.answer}")
-        lines.append(f"times   {spent} (ms)")
-        return "\n".join(lines)
 
 
 def store_words(store: Store, facts: Facts | None = None) -> StoreWords:
@@ -127,24 +83,24 @@ def store_now(
     """Return the `now` of a question, in the home's zone.
 
     given: a time, or "last" for the newest frame of the store. Else the store's own fixed `now`
-    (a demo home has one), else `clock()`. A time without an offset is the home's wall clock.
-    Raises StoreError.
+    (a demo home has one), else `clock()`, both no earlier than the newest frame. A time without an
+    offset is the home's wall clock. An answer goes by what was seen until its `now`, so a time that
+    is given hides what was seen since; a clock behind that of the robot hides nothing. Raises
+    StoreError.
     """
     zone = home_zone(store)
     if isinstance(given, datetime):
         moment = given
     else:
         fixed = store.meta("now")
-        newest = store.last_view_ms() if given == "last" else None
-        if newest is not None:
-            moment = datetime.fromtimestamp(newest / 1000, tz=zone or ZoneInfo("UTC"))
-        elif fixed is not None:
-            moment = datetime.fromisoformat(str(fixed))
-        else:
-            moment = clock()
+        moment = clock() if fixed is None else datetime.fromisoformat(str(fixed))
     if moment.tzinfo is None:
-        return moment.replace(tzinfo=zone or ZoneInfo("UTC"))
-    return moment.astimezone(zone) if zone is not None else moment
+        moment = moment.replace(tzinfo=zone or ZoneInfo("UTC"))
+    moment = moment if zone is None else moment.astimezone(zone)
+    if isinstance(given, datetime):
+        return moment
+    newest = newest_frame(store, moment)
+    return newest if given == "last" else max(moment, newest)
 
 
 def ask(
@@ -164,7 +120,7 @@ def ask(
     """
     started = perf_counter()
     try:
-        facts = Facts(store)
+        facts = Facts(store).as_of(now)
         query = read_question(store, text, now=now, facts=facts)
     except QuestionError as error:
         return replace(refusal(error), id=id, elapsed_ms={"total": _ms_since(started)})
@@ -219,7 +175,7 @@ def ask_query(
         told = "That asks for what was not seen, and I remember what was. Ask when it was seen."
         return replace(refusal(OutOfScope(query.text, 0, told)), query=query)
     try:
-        facts = facts or Facts(store)
+        facts = (facts or Facts(store)).as_of(now)
         query = on_a_spot(query, facts)
         answer = _told(store, query, facts, now, max(limit, _told_from(query)), rung)
     except StoreError as error:
@@ -337,6 +293,9 @@ def _said(answer: Answer, query: FormalQuery, facts: Facts, now: datetime) -> An
     said = " ".join(part for part in (told, *more) if part)
     if facts.meta(FORGOTTEN):
         said = but_forgotten(said, answer)
+    begins_ms = facts.begins_ms() if answer.reason == "empty" else None
+    if begins_ms is not None:
+        said = not_begun_words(begins_ms, now)
     return told_as_place(replace(answer, query=query, answer=said), query, facts)
 
 
@@ -350,14 +309,14 @@ def explain(
     rung = _precision(precision)
     native: list[NativeQuery] = []
     started = perf_counter()
-    facts = Facts(store)
+    facts = Facts(store).as_of(now)
     query = read_question(store, text, now=now, facts=facts) if isinstance(text, str) else text
     parsed_ms = _ms_since(started)
     query, parameters = on_a_spot(query, facts), facts.parameters()
     steps = planned(query, parameters, rung)
     store.tracing(native.append)
     try:
-        answer = _told(store, query, Facts(store), now, _told_from(query), rung)
+        answer = _told(store, query, Facts(store).as_of(now), now, _told_from(query), rung)
     finally:
         store.tracing(None)
     elapsed = {"parse": parsed_ms} | answer.elapsed_ms | {"total": _ms_since(started)}

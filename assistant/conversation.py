@@ -180,7 +180,7 @@ class Conversation:
             if looks_formal(text):
                 query = read(text, now=now)
             else:
-                facts, seen = Facts(self._store), _seen(self.pointer.row, last)
+                facts, seen = Facts(self._store).as_of(now), _seen(self.pointer.row, last)
                 words = store_words(self._store, facts)
                 query = follow(text, now=now, words=words, last=last, seen=seen)
         except QuestionError as error:

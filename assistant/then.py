@@ -90,11 +90,8 @@ def whether_then(
     told = [f"I did not see {thing}{condition} {moment}."]
     if answer.looked_then is False:
         told = [f"I was not looking{looking_into(answer, query)} {moment}."]
-    is_of_then = bool(opening) and not query.negated
-    if is_of_then and was_so(answer, query, at):
+    if opening and not query.negated and was_so(answer, query, at):
         told.insert(0, "Probably.")
-    elif is_of_then and answer.looked_then is not False and not asks_for_a_sighting(query):
-        told = ["I cannot be sure.", *told] if heads and answer.otherwise else told
     some = "some" if many else "one"
     known = (thing if term.owner else "them" if many else "it") if is_one(query) else some
     other = answer.otherwise

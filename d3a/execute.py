@@ -80,10 +80,12 @@ def execute(
 ) -> Answer:
     """Return the answer of a plan, without its sentence.
 
-    now: aware; its zone is that of the answer's times. limit: most keyframes. facts: where the
-    caller has read of the store already. Raises StoreError.
+    now: aware; its zone is that of the answer's times. What was seen after it is as if it had not
+    been. limit: most keyframes. facts: where the caller has read of the store already. Raises
+    StoreError.
     """
-    run = Run(plan.query, store, lexicon, now, parameters, facts or Facts(store), plan.steps)
+    facts = (facts or Facts(store)).as_of(now)
+    run = Run(plan.query, facts.store, lexicon, now, parameters, facts, plan.steps)
     run.limit = limit
     for term in numbers_unjudged(plan.query):
         run.leave_out(f"{'at most' if term.bound == 'most' else term.bound} {term.quantity}")

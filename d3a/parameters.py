@@ -138,3 +138,12 @@ interval goes on over half an hour, as the default profile's do over `unbroken_g
 saw the thing gone; ten minutes would store 2.4 keyframes a place, where the paper's Q1 at Any
 returns one."""
 PROFILES: dict[str, Parameters] = {"default": DEFAULT, "paper": PAPER}
+
+
+def parameters_of(known: Any) -> Parameters:
+    """Return the parameters that a store's meta has; those of a later version are left out."""
+    if not isinstance(known, dict):
+        return DEFAULT
+    base = PROFILES.get(str(known.get("profile")), DEFAULT)
+    fields = base.to_json().keys()
+    return base.with_changes(**{name: known[name] for name in fields if name in known})

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from datetime import datetime, timedelta
+from datetime import datetime
 from typing import TYPE_CHECKING
 
 import click
@@ -48,15 +48,21 @@ def session_of(
 ) -> Session:
     """Return a session that asks `store`; its clock runs on unless `now` was fixed."""
     from assistant.conversation import Conversation
+    from assistant.newest_frame import newest_frame
     from assistant.session import Session
 
     opened_at, began = now_of(settings, store), settings.clock()
-    fixed = abs(opened_at - began) > timedelta(seconds=5)
+    given = settings.now is not None
+    fixed = given or store.meta("now") is not None
 
     def now() -> datetime:
         return opened_at if fixed else opened_at + (settings.clock() - began)
 
-    talk = Conversation(store, now)
+    def asked_at() -> datetime:
+        moment = now()  # the robot goes on seeing while one talks, by a clock of its own
+        return moment if given else max(moment, newest_frame(store, moment))
+
+    talk = Conversation(store, asked_at)
     sites = sorted({recording.site for recording in store.recordings() if recording.site})
     return Session(
         store=store,

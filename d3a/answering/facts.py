@@ -8,9 +8,10 @@ from __future__ import annotations
 import weakref
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
+from datetime import datetime
 from functools import lru_cache
 from operator import is_not
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
 import numpy as np
 
@@ -21,7 +22,7 @@ from d3a.answering.moments import Found, in_slice, joined
 from d3a.answering.revision import Revision
 from d3a.answering.spots import Spots
 from d3a.colours import HISTOGRAM_SIZE, Palette, histograms, learn
-from d3a.parameters import DEFAULT, PROFILES, Parameters
+from d3a.parameters import Parameters, parameters_of
 from d3a.plan import FindObjects
 from d3a.store.base import (
     Area,
@@ -51,7 +52,9 @@ _Worth = Mapping[str, float]
 
 
 @lru_cache(maxsize=4)
-def _known(_store: weakref.ref[Store], _revision: tuple[int, int]) -> Revision:
+def _known(
+    _store: weakref.ref[Store], _revision: tuple[int, int], _until_ms: int | None
+) -> Revision:
     return Revision()
 
 
@@ -83,12 +86,28 @@ class Facts:
     written since. Every method raises StoreError.
     """
 
-    __slots__ = ("_known", "store")
+    __slots__ = ("_known", "_whole", "store")
 
-    def __init__(self, store: Store) -> None:
-        self.store = store
+    def __init__(self, store: Store, *, until_ms: int | None = None) -> None:
         revision = store.revision()
-        self._known = _known(weakref.ref(store), revision) if revision else Revision()
+        self._known = _known(weakref.ref(store), revision, until_ms) if revision else Revision()
+        self._whole = self.store = store
+        if until_ms is not None:
+            from d3a.store.past import PastStore  # most questions are asked of all that there is
+
+            self.store = cast("Store", PastStore(store, until_ms))
+
+    def as_of(self, now: datetime) -> Facts:
+        """Return what was known at a time: these facts where nothing was seen since."""
+        newest, now_ms = self.last_view_ms(), round(now.timestamp() * 1000)
+        if newest is None or newest <= now_ms:
+            return self
+        return Facts(self.store, until_ms=now_ms)
+
+    def begins_ms(self) -> int | None:
+        """Return when anything was seen first, also where that was later than these facts go."""
+        first = self._whole.sightings(limit=1)
+        return first[0].start_ms if first else None
 
     def categories(self) -> list[str]:
         """Return the categories of the store, by name."""
@@ -375,14 +394,5 @@ class Facts:
         A store that was filled with another `together_m` is asked with the same.
         """
         if self._known.parameters is None:
-            self._known.parameters = _parameters(self.meta("parameters"))
+            self._known.parameters = parameters_of(self.meta("parameters"))
         return self._known.parameters
-
-
-def _parameters(known: Any) -> Parameters:
-    """Return the parameters that a store's meta has."""
-    if not isinstance(known, dict):
-        return DEFAULT
-    base = PROFILES.get(str(known.get("profile")), DEFAULT)
-    fields = base.to_json().keys()
-    return base.with_changes(**{name: known[name] for name in fields if name in known})

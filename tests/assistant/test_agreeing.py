@@ -145,15 +145,6 @@ def test_what_was_seen_a_minute_later_was_probably_so(home: Home) -> None:
     assert ask(store, "Did you see the cup at 11:58 today?", now=NOW).status == "not_found"
 
 
-def test_what_one_side_of_a_moment_denies_is_not_sure(home: Home) -> None:
-    home.room("den", 4, -1, 9, 3)
-    home.seen("cup", 220, 230, at=(6, 1, 1), place=1)
-    home.seen("table", 100, 101, at=(1, 1, 0.5))
-    answer = ask(stored(home), "Was the cup in the kitchen at 1:40 pm today?", now=NOW)
-    assert (answer.status, len(answer.perhaps)) == ("not_found", 2)
-    assert answer.answer.startswith("I cannot be sure. I did not see a cup in the kitchen today at")
-
-
 def test_what_came_only_after_a_moment_was_not_seen_then(home: Home) -> None:
     answer = ask(stored(home), "Was the cup in the kitchen at 4 am today?", now=NOW)
     assert (answer.status, answer.reason) == ("not_found", "not_then")

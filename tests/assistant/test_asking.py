@@ -161,6 +161,24 @@ def test_now_is_given_or_fixed_or_the_newest_frame_or_the_clock(store: Store) ->
     assert store_now(store, "last", clock) == at(10)
 
 
+def test_a_clock_behind_the_robot_s_hides_nothing_and_a_given_time_does(store: Store) -> None:
+    behind = at(7)
+    assert store_now(store, None, lambda: behind) == at(10)
+    assert store_now(store, behind, lambda: behind) == behind
+    found = ask(store, "Where is the cup?", now=behind)
+    assert found.keyframes[0].end == behind
+    assert found.last_looked == behind
+    store.apply(Batch(meta={"now": behind.isoformat()}))
+    assert store_now(store, None, lambda: behind) == at(10)
+
+
+def test_before_anything_was_seen_there_is_no_memory_yet(store: Store) -> None:
+    early = ask(store, "Did you ever see a cup?", now=at(-24 * 60))
+    assert (early.status, early.reason, early.last_looked) == ("not_found", "empty", None)
+    assert early.answer.startswith("I had not seen anything yet: my memory begins")
+    assert "12:00" in early.answer
+
+
 def test_a_now_without_an_offset_is_the_home_s_wall_clock(store: Store) -> None:
     naive = datetime(2024, 5, 14, 20, 0)  # noqa: DTZ001  this is the case
     assert store_now(store, naive, lambda: NOW) == datetime(2024, 5, 15, 0, 0, tzinfo=UTC)

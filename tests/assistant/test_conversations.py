@@ -6,6 +6,7 @@ import shutil
 import tomllib
 from collections.abc import Iterator
 from contextlib import closing, contextmanager
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +23,7 @@ from d3a.ingest import ingest
 from d3a.parameters import DEFAULT
 from d3a.readers.opening import open_source
 from d3a.store import open_store
+from d3a.store.base import Batch
 
 CORPUS: dict[str, Any] = tomllib.loads(
     (Path(__file__).parents[1] / "corpus" / "conversations.toml").read_text(encoding="utf-8")
@@ -46,6 +48,22 @@ def talking(filled: Path, folder: Path) -> Iterator[Session]:
     shutil.copy(filled, path)
     with closing(open_store(str(path), create=False)) as store:
         yield session_of(Settings(clock=clock), store, title="the demo home")
+
+
+def test_a_chat_whose_clock_is_behind_tells_what_is_newest(
+    filled_home: Path, tmp_path: Path
+) -> None:
+    path = tmp_path / "home.db"
+    shutil.copy(filled_home, path)
+    with closing(open_store(str(path), create=False)) as store:
+        store.apply(Batch(meta={"now": None}))
+        newest = store.last_view_ms()
+        assert newest is not None
+        late = datetime.fromtimestamp(newest / 1000 - 36 * 3600, tz=UTC)
+        behind = session_of(Settings(clock=lambda: late), store).ask("Where are my keys?")
+        fixed = session_of(Settings(clock=clock, now=late.isoformat()), store)
+        then = fixed.ask("Where are my keys?")
+    assert behind.keyframes[0].end > late >= then.keyframes[0].end
 
 
 def judge(turn: dict[str, Any], answer: Answer, session: Session, things: dict[str, str]) -> None:
