@@ -20,6 +20,7 @@ from grammar.forms import (
 from grammar.fragments import Fragment, Relative, is_list, parse_fragment
 from grammar.meaning import AtPlace, Item, Outside, Related, SideBySide, form_of
 from grammar.parser import parse
+from grammar.tense import follows_now
 from grammar.vocabulary import lexicon
 
 
@@ -120,6 +121,7 @@ def merge(last: FormalQuery, fragment: Fragment, seen: Seen | None = None) -> Fo
     ask = fragment.ask or merged.ask
     negated = merged.negated if fragment.negated is None else fragment.negated
     somewhere = merged.relation is not None or merged.place is not None
+    now = merged.now if fragment.query is not None else follows_now(fragment.text, ask, last)
     return replace(
         merged,
         text=fragment.text,
@@ -129,6 +131,7 @@ def merge(last: FormalQuery, fragment: Fragment, seen: Seen | None = None) -> Fo
         select=select,
         negated=negated,
         contrary=contrary and negated and ask == "whether" and somewhere,
+        now=now and time is None,
         form=form_of(ask, merged.relation, time, merged.place, select),
     )
 

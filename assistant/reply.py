@@ -55,7 +55,7 @@ from assistant.phrases import (
 from assistant.polarity import asks_of_an_end
 from assistant.refusals import refusal_words
 from assistant.said import is_one, said_many
-from assistant.tense import chooses_a_sighting, stood_then
+from assistant.tense import stood_then
 from assistant.then import where_then, whether_then
 from assistant.usually import often_words, usual_verdict, usual_words
 from assistant.wording import NOT_SURE, is_sure
@@ -65,6 +65,7 @@ from d3a.colours import is_colour
 from d3a.model import Position
 from grammar import vocabulary
 from grammar.forms import ANYTHING, Ask, FormalQuery, ObjectTerm
+from grammar.tense import chooses_a_sighting
 
 _SPOTS = 3
 """So many other places are told one by one."""

@@ -1,10 +1,8 @@
-"""Whether a question asks for the present: the formal query holds no tense, its text does."""
+"""What the tense of a question changes in its plan and its answer; `grammar.tense` reads it."""
 
 from __future__ import annotations
 
-import re
 from dataclasses import replace
-from itertools import pairwise
 
 from assistant.phrases import likely_of, newest_of
 from assistant.said import is_one
@@ -12,19 +10,7 @@ from d3a.answer import Answer, RankedKeyframe
 from d3a.parameters import Parameters
 from d3a.plan import Lasting, Plan, Precision, plan
 from grammar.forms import FormalQuery
-
-_IS = frozenset({"is", "are", "isn't", "aren't", "whats", "theres"})
-_ASKING = frozenset({"what", "that", "there", "which", "where"})
-_WAS = frozenset(
-    {"was", "were", "wasn't", "weren't", "did", "didn't", "had", "has", "have", "hasn't", "haven't"}
-    | {"been", "saw", "seen", "left", "put", "ever"}
-)
-
-
-_WHICH_WAS = re.compile(r"\b(that|which) (was|were|lay|stood|had been|used to be)\b")
-_SEEING = frozenset({"see", "saw", "seen", "view", "watch", "watched", "look", "looked"})
-_HAS = frozenset({"has", "have", "hasn't", "haven't"})
-_NOW = frozenset({"now", "currently", "presently"})
+from grammar.tense import asks_for_a_sighting, chooses_a_sighting
 
 
 def planned(query: FormalQuery, parameters: Parameters, precision: Precision | None = None) -> Plan:
@@ -42,13 +28,6 @@ def planned(query: FormalQuery, parameters: Parameters, precision: Precision | N
     )
 
 
-def chooses_a_sighting(query: FormalQuery) -> bool:
-    """Whether `last` tells which sighting: what did you last see here, not what is here now."""
-    words = _words(query.text)
-    past = _says_past(words) and not any(w in _NOW for w in words)
-    return query.ask == "what" and query.select == "last" and past
-
-
 def lasting(query: FormalQuery) -> Lasting | None:
     """Return how its time at a place is asked for: all of it, or since when; None where it is not.
 
@@ -58,19 +37,9 @@ def lasting(query: FormalQuery) -> Lasting | None:
     somewhere = query.relation is not None or query.place is not None
     if not somewhere or query.negated or (query.relation is not None and query.relation.negated):
         return None
-    words = _words(query.text)
-    if query.ask == "when":
-        since = ("since", "when") in pairwise(words)
-        return "newest" if since and query.time is None else None
-    if query.ask != "how_long" or any(word in _SEEING for word in words):
-        return None
-    still = "been" in words and any(word in _HAS for word in words)
-    return "newest" if (still or _is_present(query.text)) and query.time is None else "all"
-
-
-def asks_for_a_sighting(query: FormalQuery) -> bool:
-    """Whether it is asked what was seen, and not what was so: did you see it, not was it there."""
-    return any(word in _SEEING for word in _words(query.text))
+    if query.now and query.time is None and query.ask in ("when", "how_long"):
+        return "newest"
+    return "all" if query.ask == "how_long" and not asks_for_a_sighting(query) else None
 
 
 def is_no_more(answer: Answer, query: FormalQuery) -> bool:
@@ -78,12 +47,8 @@ def is_no_more(answer: Answer, query: FormalQuery) -> bool:
 
     Only where nothing says where: a thing that left a place may be at another.
     """
-    words = _words(query.text)
     has = query.place is not None or query.relation is not None or query.time is not None
-    if query.ask != "whether" or has or query.negated or not {"there", "still"} & {*words}:
-        return False
-    past = [word for word in words if word not in _HAS]
-    if _says_past(past) or not (_is_present(" ".join(past)) or "still" in words):
+    if query.ask != "whether" or has or query.negated or not query.now:
         return False
     newest: dict[str, RankedKeyframe] = {}
     for keyframe in sorted(likely_of(answer), key=lambda k: (k.last, -k.rank)):
@@ -104,43 +69,21 @@ def gone_by_now(answer: Answer) -> Answer:
 def stood_then(query: FormalQuery) -> bool:
     """Whether it is asked where that is now which was somewhere: the book that was on the bed."""
     told = query.relation is not None and not query.relation.negated and not query.negated
-    if query.ask != "where" or not told or not _is_present(query.text.partition(" that ")[0]):
-        return False
-    return _WHICH_WAS.search(query.text.casefold()) is not None
+    return query.ask == "where" and query.now and told
 
 
 def as_of_now(query: FormalQuery) -> FormalQuery:
     """Return the query with `select` "last" where it asks what is somewhere now.
 
-    "What is on the table?" is about the present and "What was on the table?" about all times;
-    their formal queries are the same. Only what may be somewhere is asked so: a relation or a
-    place, and no time. Since when it has been so is asked of what is there still. Of one thing
-    that is not there now no sighting tells that was elsewhere before: it asks whether it is there.
+    "What is on the table?" is about the present and "What was on the table?" about all times. Only
+    what may be somewhere is asked so: a relation or a place, and no time. Since when it has been so
+    is asked of what is there still. Of one thing that is not there now no sighting tells that was
+    elsewhere before: it asks whether it is there.
     """
     somewhere = query.relation is not None or query.place is not None
     asked = query.ask in ("what", "whether", "count") and query.select == "all"
-    now = somewhere and asked and query.time is None and _is_present(query.text)
+    now = somewhere and asked and query.time is None and query.now
     if not now and lasting(query) != "newest":
         return query
     is_elsewhere = query.contrary and not (now and is_one(query))
     return replace(query, select="last", contrary=is_elsewhere)
-
-
-def _is_present(text: str) -> bool:
-    """Whether a verb of being stands in the present, and no other in the past."""
-    words = _words(text)
-    now = any(w in _IS or (w.endswith("'s") and w[:-2] in _ASKING) for w in words)
-    return now and not _says_past(words)
-
-
-def _says_past(words: list[str]) -> bool:
-    """Whether any word is one of the past; left of a thing and to the left are sides."""
-    sides = zip(["", *words], words, [*words[1:], ""], strict=False)
-    return any(
-        word in _WAS and not (word == "left" and (before == "the" or after == "of"))
-        for before, word, after in sides
-    )
-
-
-def _words(text: str) -> list[str]:
-    return text.lower().replace("\u2019", "'").replace("?", " ").replace(",", " ").split()

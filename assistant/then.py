@@ -17,10 +17,10 @@ from assistant.phrases import (
     where_words,
 )
 from assistant.said import is_one, said_many
-from assistant.tense import asks_for_a_sighting
 from d3a.answer import Answer, RankedKeyframe
 from d3a.answering.points import MINUTE
 from grammar.forms import FormalQuery, TimeSlice
+from grammar.tense import asks_for_a_sighting
 
 _LOOK_AROUND = timedelta(minutes=10)
 """Sightings so near to each other are of one look around the home, as an interval is closed by."""

@@ -228,6 +228,8 @@ class FormalQuery:
     contrary: a denied `whether` asks for a sighting of which it does not hold, as a denied `when`
     does: was it ever not in the hall; else, as in is there no cup, if there is none of which it
     holds.
+    now: it is asked for what is so, not for what was ever seen: is it in the hall, did I leave it
+    there, since when is it there. Of a time that is named it says nothing.
     corrections: the words that were read as others; no part of what is asked, so not compared.
     """
 
@@ -243,6 +245,7 @@ class FormalQuery:
     outside: bool = False
     or_places: tuple[str, ...] = ()
     contrary: bool = False
+    now: bool = False
     corrections: tuple[Correction, ...] = field(default=(), compare=False)
 
     def __post_init__(self) -> None:
@@ -305,6 +308,8 @@ class FormalQuery:
             record["or_places"] = list(self.or_places)
         if self.contrary:
             record["contrary"] = True
+        if self.now:
+            record["now"] = True
         if self.corrections:
             record["corrections"] = [each.to_json() for each in self.corrections]
         return record
@@ -332,6 +337,7 @@ class FormalQuery:
                 outside=bool(record.get("outside", False)),
                 or_places=tuple(record.get("or_places", ())),
                 contrary=bool(record.get("contrary", False)),
+                now=bool(record.get("now", False)),
                 corrections=tuple(Correction(**said) for said in record.get("corrections", ())),
             )
         except KeyError as error:

@@ -27,6 +27,7 @@ sign for is said in both by one rule each:
     ask count               what is asked, where it is not the paper's whether, when or where
     select last             which of the sightings: last, first or usual
     negated                 the question as a whole is denied; `contrary`: it asks for the contrary
+    now                     it is asked for what is so, not for what was ever seen
 """
 
 from __future__ import annotations
@@ -115,7 +116,7 @@ def formal(query: FormalQuery) -> str:
 
 
 def _flags(query: FormalQuery) -> list[str]:
-    return ["negated"] * query.negated + ["contrary"] * query.contrary
+    return ["negated"] * query.negated + ["contrary"] * query.contrary + ["now"] * query.now
 
 
 def form_unsaid(relation: Relation | None, *, stored: bool) -> Form:

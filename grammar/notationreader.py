@@ -228,10 +228,12 @@ class _Reader:
             self.line.settings["said"] = json.loads(value[0])
         elif tree.data == "setting" and name in ("form", "ask", "select"):
             self.line.settings[name] = value[0]
-        elif tree.data == "flag" and name in ("negated", "contrary"):
+        elif tree.data == "flag" and name in ("negated", "contrary", "now"):
             self.line.settings[name] = ""
         else:
-            raise FormError(f"{name} is unknown here; form, ask, select, negated and said are not")
+            raise FormError(
+                f"{name} is unknown here; form, ask, select, negated, now and said are not"
+            )
 
     # -- the query ------------------------------------------------------------------------------
 
@@ -266,6 +268,7 @@ class _Reader:
             select=cast("Select", select),
             negated="negated" in settings,
             contrary="contrary" in settings,
+            now="now" in settings,
         )
 
     def _terms(self) -> tuple[ObjectTerm, ...]:

@@ -24,6 +24,7 @@ from grammar.errors import Ambiguous, NotUnderstood, OutOfScope, QuestionError
 from grammar.forms import FormalQuery, ObjectTerm, TimeSlice
 from grammar.meaning import Meaning, MeaningError, form_of, query, readings
 from grammar.suggestions import suggestions
+from grammar.tense import asks_for_now
 from grammar.transform import Meanings
 from grammar.vocabulary import Lexicon
 from grammar.words import MAX_CHARACTERS, MAX_WORDS, Word, split
@@ -166,9 +167,10 @@ class Reading:
 
     def _query(self, meaning: Meaning, found: Terminals) -> FormalQuery:
         said = found.tagged
-        return query(
+        asked = query(
             meaning, self.text, found.time, said.select, said.negated, said.never, said.contrary
         )
+        return replace(asked, now=asks_for_now(asked))
 
     def _refused(self, error: MeaningError, rest: list[Word]) -> QuestionError:
         words = [w for w in rest if w.text != TIME_GAP]

@@ -86,6 +86,8 @@ def readable(record: dict[str, Any]) -> str:
         lines += [f"  time: {record['time']['start'] or '...'} to {record['time']['end'] or '...'}"]
     if record["negated"]:
         lines += ["  negated" + ": is there one to the contrary" * ("contrary" in record)]
+    if "now" in record:
+        lines += ["  now: what is so, not what was ever seen"]
     return "\n".join(map(clean, lines))
 
 

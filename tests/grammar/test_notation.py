@@ -96,6 +96,7 @@ def queries(draw: st.DrawFn) -> FormalQuery:
         select=draw(st.sampled_from(SELECTS)),
         negated=(negated := draw(st.booleans())),
         contrary=negated and ask == "whether" and bool(place or related) and draw(st.booleans()),
+        now=draw(st.booleans()),
     )
 
 
@@ -194,7 +195,7 @@ def test_different_times_have_different_notations_for_people(
         ("how many cups did you see", "cup(x) | OIc.find(x) | ask count"),
         (
             "is there no cup in the hall",
-            "cup(x) | STc.find(OIc.find(x), in hall) | ask whether, negated",
+            "cup(x) | STc.find(OIc.find(x), in hall) | ask whether, negated, now",
         ),
         (
             "when were the cup and the bowl together",
@@ -203,7 +204,7 @@ def test_different_times_have_different_notations_for_people(
         (
             "is the cup on the desk near the door",
             "cup(x), desk(y), door(y1), near(y, y1) | STc.find(OIc.find(x), OIc.find(y), on) "
-            "| ask whether",
+            "| ask whether, now",
         ),
         (
             "did you see the cup since yesterday",

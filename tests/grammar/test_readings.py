@@ -101,7 +101,7 @@ def test_a_time_when_and_one_when_not_are_offered_each(text: str, offered: tuple
             "is there something red or blue under the bed",
             'red(x), object(y), said(y, "something"), blue(yo1), object(yo1), '
             'said(yo1, "something"), or(y, yo1), bed(z) '
-            "| STc.find(OIc.find(x, y), OIc.find(z), under) | ask whether",
+            "| STc.find(OIc.find(x, y), OIc.find(z), under) | ask whether, now",
         ),
         (
             "where else was the cup besides the kitchen",
@@ -113,7 +113,7 @@ def test_a_time_when_and_one_when_not_are_offered_each(text: str, offered: tuple
         ),
         (
             "is neither of the cups on the table",
-            "cup(x), table(y) | STc.find(OIc.find(x), OIc.find(y), on) | ask whether, negated",
+            "cup(x), table(y) | STc.find(OIc.find(x), OIc.find(y), on) | ask whether, negated, now",
         ),
         (
             "has the cup ever not been on the table",

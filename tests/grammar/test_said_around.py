@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from datetime import datetime
 
 import pytest
@@ -12,11 +13,8 @@ NOW = datetime.fromisoformat("2026-05-14T20:30:00+01:00")
 
 
 def alike(said: str, plainly: str) -> bool:
-    """Whether two sayings are one query."""
-    found, meant = (parse(text, now=NOW).to_json() for text in (said, plainly))
-    for record in (found, meant):
-        del record["text"]
-        record.pop("corrections", None)
+    """Whether two sayings are one query, but for their tense."""
+    found, meant = (replace(parse(t, now=NOW), text="", now=False) for t in (said, plainly))
     return found == meant
 
 
