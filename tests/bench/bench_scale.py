@@ -24,7 +24,8 @@ import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import closing, contextmanager
 from dataclasses import dataclass
-from datetime import datetime
+from datetime import UTC, datetime
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -145,11 +146,9 @@ def load() -> str:
 
 def now_of(store: Store) -> datetime:
     """Return the time of the store's newest frame."""
-
-    def no_clock() -> datetime:
+    if store.last_view_ms() is None:
         raise SystemExit("the store is empty: there is nothing to measure")
-
-    return store_now(store, "last", no_clock)
+    return store_now(store, "last", partial(datetime.now, UTC))
 
 
 def forms(store: Store, places: int, categories: int, related: int) -> dict[str, Timed]:
