@@ -11,10 +11,12 @@ from d3a.parameters import DEFAULT
 from d3a.plan import plan
 from d3a.store.base import View
 from grammar.forms import FormalQuery, TimeSlice
-from tests.worlds.made import NOW, Home, Words, at
+from tests.worlds.made import Home, Words, at
 from tests.worlds.oracle import OracleStore
 
 HOUR = 60.0
+NOW = at(24 * HOUR)
+"""After all looks: an answer goes by what was seen until then."""
 SPOT = (2.0, 0.0, 0.5)
 
 

@@ -183,10 +183,10 @@ def test_a_thing_that_moved_is_not_where_it_was_until_it_was_seen_elsewhere() ->
         home.seen("l", time, at=(0, 0, 0))
     store = home.into(OracleStore())
     query = asked("near", "teddy bear", "couch")
-    whole = execute(plan(query), store, Words(), now=NOW, limit=50, parameters=DEFAULT)
+    whole = execute(plan(query), store, Words(), now=at(600), limit=50, parameters=DEFAULT)
     assert {k.frame for k in whole.keyframes} == {"bear-0-0", "l-0-0", "bear-0-600", "l-0-600"}
     afternoon = replace(query, time=TimeSlice(at(240), at(480)))
-    answer = execute(plan(afternoon), store, Words(), now=NOW, limit=50, parameters=DEFAULT)
+    answer = execute(plan(afternoon), store, Words(), now=at(600), limit=50, parameters=DEFAULT)
     assert (answer.status, answer.reason) == ("not_found", "not_there")
 
 
