@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import io
+import math
 import os
 import socket
 import time
@@ -126,10 +127,12 @@ async def test_in_chromium(address: str) -> None:
         await page.open(address, 1000, 600)
         await page.until("document.body.classList.contains('-first-byte')")
         await page.until("document.activeElement.tagName == 'TEXTAREA'")  # nobody has to click
-        await page.type("where are my keys?\r")
-        given_up = time.monotonic() + 30
+        given_up, asked = time.monotonic() + 30, -math.inf
         while yellow(await page.picture()) < 50:  # the box in the picture
             assert time.monotonic() < given_up
+            if time.monotonic() > asked + 8:  # a busy machine's chat may not have listened yet
+                await page.type("where are my keys?\r")
+                asked = time.monotonic()
             await asyncio.sleep(0.2)
         base, _ = parts(address)
         assert any(request.startswith("ws://") for request in page.requests)
