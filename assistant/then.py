@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from datetime import datetime, timedelta
 
 from assistant.conditions import condition_words
@@ -32,10 +33,8 @@ def where_then(answer: Answer, query: FormalQuery, at: datetime, now: datetime) 
     heads = likely_of(answer)
     told = []
     during = next((k for k in heads if _is_during(k, at)), None)
-    before = during or max(
-        (k for k in heads if k.start <= at), key=lambda k: (k.end, -k.rank), default=None
-    )
-    after = min((k for k in heads if k.start > at), key=lambda k: (k.start, k.rank), default=None)
+    before, after = _around(heads, at)
+    before = during or before
     if before is not None:
         where = sentence_case(where_words(before, query) or "At a place that has no name")
         if before is during:
@@ -60,8 +59,7 @@ def was_so(answer: Answer, query: FormalQuery, at: datetime) -> bool:
     heads = likely_of(answer)
     if any(_is_during(keyframe, at) for keyframe in heads):
         return True
-    before = max((k for k in heads if k.end < at), key=lambda k: (k.end, -k.rank), default=None)
-    after = min((k for k in heads if k.start > at), key=lambda k: (k.start, k.rank), default=None)
+    before, after = _around(heads, at)
     if asks_for_a_sighting(query):
         return False
     near = min((_apart(k, at) for k in (before, after) if k is not None), default=_LOOK_AROUND)
@@ -97,8 +95,7 @@ def whether_then(
     other = answer.otherwise
     same = other is not None and other.object_id in {k.object_id for k in heads}
     instead = known if same else f"{some} that may be the same"
-    before = max((k for k in heads if k.end < at), key=lambda k: (k.end, -k.rank), default=None)
-    after = min((k for k in heads if k.start > at), key=lambda k: (k.start, k.rank), default=None)
+    before, after = _around(heads, at)
     if before is not None:
         told.append(around_words(before, f"{known}{condition}", query, at, now))
     if other is not None and before is None:
@@ -126,6 +123,15 @@ def looking_into(answer: Answer, query: FormalQuery) -> str:
     """Return the room that was looked into: " in the kitchen"; "" where none was asked for."""
     told = query.place and not query.outside and not answer.unjudged
     return f" {asked_place(query, query.place)}" if query.place and told else ""
+
+
+def _around(
+    heads: Sequence[RankedKeyframe], at: datetime
+) -> tuple[RankedKeyframe | None, RankedKeyframe | None]:
+    """Return what was seen last before a moment, and first after it."""
+    before = max((k for k in heads if k.end < at), key=lambda k: (k.end, -k.rank), default=None)
+    after = min((k for k in heads if k.start > at), key=lambda k: (k.start, k.rank), default=None)
+    return before, after
 
 
 def _apart(keyframe: RankedKeyframe, at: datetime) -> timedelta:

@@ -89,11 +89,5 @@ def _bins(pixels: Pixels, box: Box) -> tuple[NDArray[np.intp], NDArray[np.intp]]
         pixels[y1:y2, left:x1],
         pixels[y1:y2, x2 : x2 + wide],
     ]
-    around = [_bin(part[::step, ::step]).ravel() for part in beside]
-    return _bin(pixels[y1:y2:step, x1:x2:step]), np.concatenate(around)
-
-
-def _bin(pixels: Pixels) -> NDArray[np.intp]:
-    """Return the bins (h, w) of pixels (h, w, 3), see `images.histogram`."""
-    levels = (pixels >> 5).astype(np.intp)
-    return np.asarray((levels[..., 0] * 8 + levels[..., 1]) * 8 + levels[..., 2])
+    around = [images.bins(part[::step, ::step]).ravel() for part in beside]
+    return images.bins(pixels[y1:y2:step, x1:x2:step]), np.concatenate(around)

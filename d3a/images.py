@@ -216,6 +216,12 @@ def histogram(pixels: Pixels) -> NDArray[np.float32]:
     return unit(np.asarray(counts, dtype=np.float32))
 
 
+def bins(pixels: Pixels) -> NDArray[np.intp]:
+    """Return the bin of `histogram` that each pixel falls into, (h, w)."""
+    levels = (pixels >> 5).astype(np.intp)
+    return np.asarray(levels[..., 0] * 64 + levels[..., 1] * 8 + levels[..., 2])
+
+
 def unit(counts: NDArray[np.float32]) -> NDArray[np.float32]:
     """Return a vector (d,) or the rows of a matrix (n, d) at unit length; zeros stay zeros."""
     length = np.sqrt(np.sum(np.square(counts, dtype=np.float64), axis=-1, keepdims=True))

@@ -46,8 +46,7 @@ class Alike:
         """The rounds that showed each, by number."""
         if self._is_whole:
             return rounds_of(self._seen)
-        spans = self._spans
-        return columns.Shown(spans, columns.rounds_of(spans.start_ms, spans.end_ms))
+        return columns.Shown.of(self._spans)
 
     @cached_property
     def _latest(self) -> Mapping[str, Sequence[tuple[int, str]]]:

@@ -78,6 +78,11 @@ class Shown:
         self._numbers = numbers
         self._made: dict[str, set[int]] = {}
 
+    @classmethod
+    def of(cls, spans: Spans) -> Shown:
+        """Return the same of sightings by the rounds of all of them."""
+        return cls(spans, rounds_of(spans.start_ms, spans.end_ms))
+
     def __getitem__(self, name: str) -> set[int]:
         """Return the numbers of the rounds that showed an object."""
         if name not in self._made:

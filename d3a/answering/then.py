@@ -53,11 +53,7 @@ class _Between:
         self._kind = {name: c.record.category for name, c in candidates.items()}
         self._unsure = {name for name, c in candidates.items() if c.record.tentative}
         ids = run.found[step.var].ids if away else []
-        spans = run.facts.spans(ids, None, None)
-        self._rounds: dict[str, set[int]] = {name: set() for name in ids}
-        numbers = columns.rounds_of(spans.start_ms, spans.end_ms).tolist()
-        for of, number in zip(spans.of.tolist(), numbers, strict=True):
-            self._rounds[spans.ids[of]].add(number)
+        self._shown = columns.Shown.of(run.facts.spans(ids, None, None))
 
     def against(self, moment: Moment) -> Iterator[Sighting]:
         """Yield what was seen between a moment and then, of its figure or what may be it."""
@@ -94,4 +90,4 @@ class _Between:
         if other == name:
             return True
         alike = self._kind[other] == self._kind[name] and other not in self._unsure
-        return alike and self._rounds[other].isdisjoint(self._rounds[name])
+        return alike and self._shown[other].isdisjoint(self._shown[name])

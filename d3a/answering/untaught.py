@@ -33,22 +33,18 @@ def may_be_named(facts: Facts, named: Collection[str], owner: str | None) -> tup
     known = [looks.get(record.object_id, record) for record in known]
     denied = {name for name, _, theirs in History.read(facts).denials() if theirs == owner}
     others = [
-        record
+        (record.object_id, like)
         for record in looks.values()
         if record.category in kinds and not (record.names or record.tentative)
-        if record.object_id not in denied and any(_is_like(one, record) for one in known)
+        if record.object_id not in denied
+        if (like := [one.object_id for one in known if _is_like(one, record)])
     ]
     if not others:
         return ()
-    spans = facts.spans(sorted({*named, *(record.object_id for record in others)}), None, None)
-    shown = columns.Shown(spans, columns.rounds_of(spans.start_ms, spans.end_ms))
+    spans = facts.spans(sorted({*named, *(name for name, _ in others)}), None, None)
+    shown = columns.Shown.of(spans)
     return tuple(
-        record.object_id
-        for record in others
-        if any(
-            _is_like(one, record) and shown[one.object_id].isdisjoint(shown[record.object_id])
-            for one in known
-        )
+        name for name, like in others if any(shown[one].isdisjoint(shown[name]) for one in like)
     )
 
 

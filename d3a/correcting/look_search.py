@@ -156,10 +156,9 @@ def _quantised(picture: Keyframe, step: int) -> _Bins | None:
     from d3a import images  # loads OpenCV, which a question does without
 
     try:
-        pixels = images.decode(picture.jpeg)[::step, ::step].astype(np.intp) >> 5
+        return images.bins(images.decode(picture.jpeg)[::step, ::step])
     except BadInput:
         return None
-    return np.asarray(pixels[..., 0] * 64 + pixels[..., 1] * 8 + pixels[..., 2])
 
 
 def _bins_of(shown: Keyframe, box: Box) -> tuple[int, _Bins]:
