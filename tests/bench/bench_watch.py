@@ -30,7 +30,7 @@ POLL_S = 0.02
 
 def made(folder: Path, count: int) -> Path:
     """A patrol with pictures and depth."""
-    from tests.assistant.test_watch_command import patrol
+    from tests.assistant.commands.test_watch_command import patrol
 
     return patrol(folder, count)
 

@@ -3,7 +3,7 @@
 The clock, the world and the way pictures are shown are fixed; the pictures are of one colour, so
 that no decoder's rounding changes a cell. After a change that is meant, look at the difference of
 
-    D3A_UPDATE_SCREENS=1 python -m pytest tests/assistant/test_ui_screens.py
+    D3A_UPDATE_SCREENS=1 python -m pytest tests/assistant/ui/test_ui_screens.py
 """
 
 from __future__ import annotations

@@ -79,7 +79,7 @@ def test_the_library_is_imported_without_a_word_to_the_terminal() -> None:
         "assert sys.__stdout__.isatty(); assert pixels.cell_size() == (7, 15);"
         "assert 'TEXTUAL_CELL_WIDTH' not in os.environ; print('done')"
     )
-    root = Path(__file__).parents[2]
+    root = Path(__file__).parents[3]
     subprocess.run(
         [sys.executable, "-c", code], stdin=slave, stdout=slave, stderr=slave, cwd=root, check=True
     )

@@ -30,7 +30,7 @@ from d3a.watch.rosbridge import LOST
 from tests.worlds.folders import as_recording, moments
 from tests.worlds.oracle import OracleStore
 
-ROOT = Path(__file__).resolve().parents[2]
+ROOT = Path(__file__).resolve().parents[3]
 TOPICS = {
     "topic.image": "/cam/image/compressed",
     "topic.depth": "/cam/depth/compressed",

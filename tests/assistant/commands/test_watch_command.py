@@ -19,7 +19,7 @@ from d3a.store.base import StoreError
 from tests.worlds.folders import as_recording
 from tests.worlds.rounds import Thing, circle, depth_png, jpeg, rounds, write_recording
 
-ROOT = Path(__file__).resolve().parents[2]
+ROOT = Path(__file__).resolve().parents[3]
 PATIENCE_S = 60.0
 
 
