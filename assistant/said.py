@@ -25,11 +25,19 @@ def said_many(query: FormalQuery, term: ObjectTerm) -> bool:
 def is_one(query: FormalQuery) -> bool:
     """Whether the first object was said as one that is known: the wallet, my keys, it."""
     term = query.objects[0] if query.objects else ObjectTerm(ANYTHING)
+    return _is_known(query, term) or (not _as_said(query, term) and _tells(query, _IT | _THEY))
+
+
+def known_of(query: FormalQuery) -> tuple[str, ...]:
+    """Return the variables of the objects that were said as known: the wallet, my keys, it."""
+    first = query.objects[:1] if is_one(query) else ()
+    return tuple(t.var for t in query.objects if t in first or _is_known(query, t))
+
+
+def _is_known(query: FormalQuery, term: ObjectTerm) -> bool:
     nouns = "|".join(map(re.escape, (term.word, plural(term.word))))
     said = rf"\bthe\s+([\w'-]+\s+){{0,{len(term.attributes)}}}({nouns})\b"
-    if term.owner is not None or re.search(said, query.text.casefold()) is not None:
-        return True
-    return not _as_said(query, term) and _tells(query, _IT | _THEY)
+    return term.owner is not None or re.search(said, query.text.casefold()) is not None
 
 
 def _as_said(query: FormalQuery, term: ObjectTerm) -> list[str]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from assistant.phrases import likely_of, newest_of
-from assistant.said import is_one
+from assistant.said import is_one, known_of
 from d3a.answer import Answer, RankedKeyframe
 from d3a.parameters import Parameters
 from d3a.plan import Lasting, Plan, Precision, plan
@@ -25,6 +25,7 @@ def planned(query: FormalQuery, parameters: Parameters, precision: Precision | N
         sighting=chooses_a_sighting(query),
         lasting=lasting(query),
         since_then=stood_then(query),
+        known=known_of(query),
     )
 
 

@@ -48,12 +48,7 @@ from d3a.answering.steps import (
 )
 from d3a.model import Json
 from d3a.parameters import DEFAULT, Parameters
-from grammar.forms import (
-    ANYTHING,
-    FormalQuery,
-    ObjectTerm,
-    TimeSlice,
-)
+from grammar.forms import ANYTHING, FormalQuery, ObjectTerm, TimeSlice
 
 __all__ = [
     "Cover",
@@ -117,12 +112,14 @@ def plan(
     sighting: bool = False,
     lasting: Lasting | None = None,
     since_then: bool = False,
+    known: tuple[str, ...] = (),
 ) -> Plan:
     """Return the plan of a query. Pure: equal queries give equal plans.
 
     precision forces a rung of the matching ladder. sighting: `last` chooses a sighting; else what
     was last somewhere is what is there now. lasting: a thing's time at a place is asked for, and
     not the time it was in view. since_then: where that is now which once stood so.
+    known: the variables of things said as known ones, as the wallet is; what has an owner is one.
     parameters.profile "paper" answers “together” as the paper does, by the union of what was
     found for each object; other relations are geometry in both profiles.
     """
@@ -159,7 +156,8 @@ def plan(
         steps.append(FindStretches(var, lasting == "newest"))
     present = (_asks_for_the_present(query) and not sighting) or lasting == "newest"
     if present or asks_where_all_is(query):
-        steps.append(KeepPresent(var, anywhere=not present))
+        one = tuple(t.var for t in objects if t.var in known or t.owner is not None)
+        steps.append(KeepPresent(var, anywhere=not present, known=one))
     if (at := whether_at(query)) is not None:
         steps.append(KeepThen(var, at))
     kept = [step for name in _on_their_own(query, names) for step in _keep_steps(query, name)]

@@ -7,7 +7,6 @@ longer, whichever was said first.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 
 import numpy as np
@@ -15,12 +14,12 @@ import numpy as np
 from d3a.answering import columns
 from d3a.answering.alike import Alike, newest_of
 from d3a.answering.doubts import Doubts
+from d3a.answering.likeness import at_newest_likeness
 from d3a.answering.many import spans_asked
-from d3a.answering.moments import Entry, Found, Moment, entry_of, single
+from d3a.answering.moments import Entry, Moment, entry_of, single
 from d3a.answering.run import Run
 from d3a.answering.standing import Timeline
 from d3a.answering.steps import KeepPresent
-from d3a.rank import LEAST_OF_BEST
 from d3a.store.base import Sighting
 from grammar.forms import ANYTHING
 
@@ -36,12 +35,8 @@ def keep_present(run: Run, step: KeepPresent) -> None:
     others = (s for var, found in run.found.items() if var != step.var for s in found.sightings)
     newest = newest_of([*others, *before])
     kept, gone = present(run.answering(step.var), newest)
-    term = run.term(step.var)
-    if term.owner in ("me", "you"):  # one thing is meant: its newest likeness tells where it is
-        last = _newest_likeness(table, newest, before)
-        away = [m for m in kept if last is not None and m.figure.sighting.object_id != last]
-        kept = [m for m in kept if m not in away]
-        table.gone += [newest[last] for _ in away[:1] if last is not None and not kept]
+    for var in step.known:
+        kept = at_newest_likeness(run, var, kept, newest, before if var == step.var else None)
     if not kept and step.var in run.newest_alone:
         gone += _left_before(run, step.var, newest)
     for moment in gone:
@@ -97,21 +92,6 @@ def _left_before(run: Run, var: str, newest: Mapping[str, Sighting]) -> list[Mom
     told = run.store.sightings_at(spans.chosen(rows[: run.limit]).which())
     table.stays |= run.facts.stays_of(told)
     return [single(table, sighting) for sighting in told]
-
-
-def _newest_likeness(
-    table: Found, newest: Mapping[str, Sighting], before: Sequence[Sighting]
-) -> str | None:
-    """Return the object seen last among those that are about as likely meant as the best."""
-    ids = {s.object_id for s in before}
-    worth = {
-        name: c.match * math.prod(c.attributes.values())
-        for name, c in table.candidates.items()
-        if name in ids
-    }
-    least = LEAST_OF_BEST * max(worth.values(), default=0.0)
-    likely = [name for name in sorted(worth) if worth[name] >= least]
-    return max(likely, key=lambda name: (newest[name].end_ms, name), default=None)
 
 
 def present(

@@ -200,11 +200,13 @@ class FindStretches:
 class KeepPresent:
     """Keep each object's newest moment, where it was not seen elsewhere or seen gone since.
 
-    anywhere: where everything is is asked for, not what is at one place.
+    anywhere: where everything is is asked for, not what is at one place. known: the variables
+    of which each is one thing that is known, where there may be but one: the wallet, my keys.
     """
 
     var: str
     anywhere: bool = False
+    known: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

@@ -277,6 +277,32 @@ def test_a_yes_about_now_is_doubted_where_one_like_it_turned_up_elsewhere(
     )
 
 
+def test_the_one_is_where_it_was_seen_last_where_its_place_was_looked_at_since(
+    two_rooms: Home,
+) -> None:
+    two_rooms.thing("other", "cup", paint="red")
+    two_rooms.seen("other", 300, 310, at=(1, 1, 1))
+    two_rooms.look(250, 6, 1)
+    gone = "No, not any more. I last saw {} cup today at 17:10, 2 hours ago, in the kitchen."
+    assert told(two_rooms, "Is the cup in the living room?") == gone.format("the")
+    assert told(two_rooms, "Is my cup in the living room?") == gone.format("your")
+    assert told(two_rooms, "Is there a cup in the living room?").startswith("I cannot be sure.")
+    two_rooms.seen("other", 209, 211, at=(1, 1, 1))  # there are two
+    for asked in ("Is the cup in the living room?", "Is my cup in the living room?"):
+        assert told(two_rooms, asked).startswith("Yes. I last saw")
+
+
+def test_what_the_one_is_beside_is_one_thing_too(two_rooms: Home) -> None:
+    two_rooms.thing("keys", "key", paint="black")
+    two_rooms.seen("keys", 200, 210, at=(6.2, 1, 1))
+    two_rooms.met("cup", "keys", 200, 210)
+    two_rooms.thing("other", "cup", paint="red")
+    two_rooms.seen("other", 300, 310, at=(1, 1, 1))
+    two_rooms.look(250, 6, 1)
+    for asked in ("Is the cup with the keys?", "Are the keys with the cup?"):
+        assert told(two_rooms, asked).startswith("No, not any more. I last saw"), asked
+
+
 def test_one_known_before_may_be_the_same_unless_a_round_showed_both(two_rooms: Home) -> None:
     two_rooms.thing("other", "cup", paint="red")
     two_rooms.seen("other", 130, 131, at=(1, 1, 1))
