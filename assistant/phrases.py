@@ -358,12 +358,29 @@ def last_words(answer: Answer, query: FormalQuery, now: datetime, seen: str = ""
     return f"last {seen}{seen_when(newest_of(answer), now)}"
 
 
-def gone_words(keyframe: RankedKeyframe, now: datetime, *, many: bool = False) -> str:
-    """Return that the place was empty later, "" where nobody looked or it was still there."""
+def gone_words(
+    keyframe: RankedKeyframe, now: datetime, *, many: bool = False, one_of: bool = False
+) -> str:
+    """Return that the place was empty later, "" where nobody looked or it was still there.
+
+    With the first look that did not show it, where that was another: it may have overlooked it.
+    one_of: there are others of the kind, one of which may have been there.
+    """
     absent = keyframe.last_absent
     if absent is None:
         return ""
-    local = absent.astimezone(now.tzinfo)
-    moment = f"{day_of(local, now)} at {clock(local)}"
     pronoun, verb = ("they", "were") if many else ("it", "was")
-    return f"When I looked there again {moment}, {pronoun} {verb} gone."
+    if one_of:
+        pronoun = "those" if many else "that one"
+    moment = _at_clock(absent, now)
+    if keyframe.first_missed is None:
+        return f"When I looked there again {moment}, {pronoun} {verb} gone."
+    missed = _at_clock(keyframe.first_missed, now)
+    told = pronoun if one_of else ("them" if many else "it")
+    back = "they" if many else "it"
+    return f"When I looked there again {missed}, I did not see {told}; {moment} {back} {verb} gone."
+
+
+def _at_clock(moment: datetime, now: datetime) -> str:
+    local = moment.astimezone(now.tzinfo)
+    return f"{day_of(local, now)} at {clock(local)}"

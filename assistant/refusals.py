@@ -128,7 +128,9 @@ def _none_like_it(answer: Answer, query: FormalQuery, refused: list[str], now: d
         return f"Nothing that I saw {missed}."
     there = there_words(other, query)
     told = f"I saw {article(kind_of(other))}, but none that {missed}."
-    return f"{told} I last saw one {when(other.end, now)}{there}."
+    colours = " or ".join(other.why.get("looked", ()))
+    one = f"one, which looked {colours}," if colours else "one"
+    return f"{told} I last saw {one} {when(other.end, now)}{there}."
 
 
 def _perhaps_like_it(answer: Answer, query: FormalQuery, refused: list[str], now: datetime) -> str:

@@ -133,7 +133,8 @@ def _whether(answer: Answer, query: FormalQuery, now: datetime) -> str:
         spread += f", maybe in {number_word(further)} more" * bool(further)
         more = f"{occasions(len(heads))}{' or more' if answer.truncated else ''}"
         told = f"{opening}I saw {thing}{condition} {more} in {spread}, {last}{where}."
-    return f"{told} {elsewhere or gone_words(newest, now, many=many)}".strip()
+    one_of = answer.alike > 1 and not term.owner
+    return f"{told} {elsewhere or gone_words(newest, now, many=many, one_of=one_of)}".strip()
 
 
 def _elsewhere(answer: Answer, query: FormalQuery, now: datetime) -> str:

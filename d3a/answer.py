@@ -34,6 +34,9 @@ class RankedKeyframe:
     not part of the record. vague: a landmark as far off as the position is uncertain, where that
     is too uncertain to be told as `near`; for the sentence too. within: the part of the interval
     in the asked slice, where that is not all of it: nobody is told of a time not asked about.
+    first_missed: when a later round first looked at its place and did not see it, before the look
+    that told that it was gone (`last_absent`); known of what is told in words, and in the record
+    where it is known.
     """
 
     rank: int
@@ -56,6 +59,7 @@ class RankedKeyframe:
     beyond: tuple[str, float] | None = None
     vague: str | None = None
     within: tuple[datetime, datetime] | None = None
+    first_missed: datetime | None = None
 
     @property
     def first(self) -> datetime:
@@ -69,7 +73,8 @@ class RankedKeyframe:
 
     def to_json(self) -> Json:
         """Return the keyframe's record, every field present."""
-        return {
+        missed = {"first_missed": self.first_missed.isoformat()} if self.first_missed else {}
+        return missed | {
             "rank": self.rank,
             "score": round(self.score, 4),
             "object_id": self.object_id,
@@ -113,6 +118,7 @@ class Answer:
     apart: for a no about moving, at how many places things were seen then that may be one.
     denied: of how many things people said that they are not the owner's who is asked about, so
     that they were left out; precision: the rung of the matching ladder that was forced.
+    alike: how many objects the first noun and its looks mean, wherever and whenever they were seen.
     named_alone: the things that a name alone chose for the first object, as people taught it.
     elapsed_ms: parse, retrieve, rank, total.
     """
@@ -139,6 +145,7 @@ class Answer:
     in_view: float = 0.0
     doubted: tuple[str, ...] = ()
     denied: int = 0
+    alike: int = 0
     named_alone: tuple[str, ...] = ()
     precision: str | None = None
     truncated: bool = False

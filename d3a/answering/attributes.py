@@ -89,6 +89,18 @@ class Looks:
         return cls(rows, Appearances.of(matrix[held], palette(), views))
 
 
+def seen_colours(looks: Looks | None) -> tuple[str, ...]:
+    """Return the basic colours that the first object rather looked than not, the likeliest first.
+
+    Empty where none is likely enough, or it has no histogram.
+    """
+    if looks is None or 0 not in looks.rows:
+        return ()
+    chances = looks.of_rows.chances[0]  # rows are in order
+    likely = np.flatnonzero(chances >= LEAST_ODDS * (1 - chances))
+    return tuple(BASIC[term] for term in likely[np.argsort(-chances[likely])].tolist())
+
+
 @dataclass(frozen=True, slots=True)
 class Judged:
     """Who keeps the attributes, by object id, and which words nobody could judge.

@@ -5,22 +5,25 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from datetime import datetime, timedelta
+from operator import attrgetter
 
 import numpy as np
 
 from d3a.answer import Answer, RankedKeyframe
 from d3a.answering import columns
 from d3a.answering.distinct import least_number
+from d3a.answering.missed import first_missed
 from d3a.answering.moments import Entry, merged, single, total_ms
 from d3a.answering.run import Run, milliseconds
 from d3a.answering.steps import FindObjects, FindStretches
 from d3a.frozen import maker
 from d3a.model import Json
-from d3a.rank import entry_score, is_tentative
+from d3a.rank import LEAST_OF_BEST, entry_score, is_tentative
 from d3a.store.base import Sighting, Spans
 from grammar.forms import VARIABLES, TimeSlice
 
 _ranked_keyframe = maker(RankedKeyframe)
+_BY_END = attrgetter("last", "rank")
 _TICK = timedelta(milliseconds=1)
 """Times are kept in milliseconds."""
 
@@ -48,6 +51,7 @@ def conclude(run: Run, limit: int) -> Answer:
         doubted=tuple([m.figure.candidate.record.category for m in run.doubted]),
         apart=run.apart,
         denied=len(run.denied.get(VARIABLES[0], ())),
+        alike=len(run.found[VARIABLES[0]].candidates),
         named_alone=run.named_alone,
         precision=next((s.precision for s in run.steps if isinstance(s, FindObjects)), None),
         keyframes=tuple(keyframes),
@@ -65,6 +69,7 @@ def conclude(run: Run, limit: int) -> Answer:
 def _keyframes(run: Run, limit: int) -> tuple[list[RankedKeyframe], bool]:
     """Return the keyframes of the moments, cut as `within` does."""
     out: list[RankedKeyframe] = []
+    entries_of: list[Entry] = []
     run.find_spots([e for one in run.ranked[: max(limit, 1)] for e in one.moment.entries])
     for group, one in enumerate(run.ranked, 1):
         entries = one.moment.entries
@@ -74,8 +79,23 @@ def _keyframes(run: Run, limit: int) -> tuple[list[RankedKeyframe], bool]:
         for entry, why in zip(entries, one.why, strict=True):
             shown = keyframe(run, entry, len(out) + 1, one.score, why, group=number)
             out.append(_within_slice(run, shown))
+            entries_of.append(entry)
     kept = _whole_moments(out, limit)
+    likely = [k for k in kept if k.score >= LEAST_OF_BEST * max(each.score for each in kept)]
+    for told in {k.rank: k for k in (*kept[:1], *sorted(likely, key=_BY_END)[-1:])}.values():
+        kept[told.rank - 1] = _with_missed(run, told, entries_of[told.rank - 1])
     return kept, len(kept) < sum(len(one.moment.entries) for one in run.ranked)
+
+
+def _with_missed(run: Run, shown: RankedKeyframe, entry: Entry) -> RankedKeyframe:
+    """Return a keyframe that is told in words with when its place was first looked at without it.
+
+    It is read for these alone: it takes a query.
+    """
+    if shown.last_absent is None or entry.stay is None:
+        return shown
+    missed_ms = first_missed(run.store, entry.stay, entry.sighting.end_ms)
+    return replace(shown, first_missed=_moment(run, missed_ms))
 
 
 def within(answer: Answer, limit: int) -> Answer:
@@ -139,6 +159,7 @@ def keyframe(
         group=group,
         beyond=spot.beyond,
         within=None,
+        first_missed=None,
     )
 
 
@@ -168,7 +189,9 @@ def _otherwise(run: Run) -> RankedKeyframe | None:
     score, why = entry_score(entry)
     if run.refused:
         why["refused"] = list(run.refused)
-    return keyframe(run, entry, 1, min(1.0, score), why)
+    if run.looked:
+        why["looked"] = list(run.looked)
+    return _with_missed(run, keyframe(run, entry, 1, min(1.0, score), why), entry)
 
 
 def _perhaps(run: Run, limit: int) -> tuple[RankedKeyframe, ...]:

@@ -39,7 +39,8 @@ class Run:
     unjudged: conditions left out, in the order of the question, none twice.
     rooms: by variable, the room that its noun names ("kitchen table"); plain: by variable, the
     candidates that the noun means wherever they are. refused: the attributes that `otherwise`
-    does not have, or that what is in `perhaps`, the likeliest first, may or may not have.
+    does not have, or that what is in `perhaps`, the likeliest first, may or may not have; looked:
+    the colours that `otherwise` looked instead, where a colour was asked for.
     looked_then, apart: see `Answer`. denied: by variable, the things that were said
     not to be the owner's. limit: of keyframes. cut: not every sighting
     was read; counted: of how many objects there are some; surely: how many of them must be
@@ -74,6 +75,7 @@ class Run:
     otherwise: Moment | None = None
     perhaps: list[Ranked] = field(default_factory=list)
     refused: tuple[str, ...] = ()
+    looked: tuple[str, ...] = ()
     looked_then: bool | None = None
     apart: int = 0
     denied: dict[str, set[str]] = field(default_factory=dict)

@@ -7,12 +7,14 @@ from dataclasses import replace
 
 import numpy as np
 
+from d3a.answering.attributes import merged_shades, seen_colours
 from d3a.answering.conclude import least_of
 from d3a.answering.distinct import may_be_one, things_of
 from d3a.answering.moments import Found, Moment, in_slice, single
 from d3a.answering.places import last_look, newest_look
 from d3a.answering.points import edge_of, looked_at
 from d3a.answering.run import Run, milliseconds
+from d3a.colours import is_colour
 from d3a.plan import ExplainEmpty
 from d3a.rank import LEAST_OF_BEST, rank
 from d3a.store.base import Sighting, StayKey
@@ -141,6 +143,8 @@ def _tell_refused(run: Run, var: str) -> None:
         run.perhaps = rank([single(meant, s) for s in newest], "all", spread=False)
     run.otherwise = run.perhaps[0].moment if run.perhaps else _newest(meant, newest)
     run.refused = (*term.attributes, *(f"not {word}" for word in term.without))
+    if any(map(is_colour, merged_shades(term.attributes))) and not maybe and run.otherwise:
+        run.looked = seen_colours(run.facts.looks([run.otherwise.figure.candidate.record]))
 
 
 def _seen_apart(run: Run, step: ExplainEmpty, var: str) -> None:

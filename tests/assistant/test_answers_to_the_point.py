@@ -283,7 +283,8 @@ def test_what_was_refused_for_its_look_is_told_where_it_was_seen_last(home: Home
     home.seen("new", 150, at=(1, 2, 1))
     said = told(home, "Did you see a red bowl?")
     assert said.endswith(
-        "none that looked red. I last saw one today at 14:30, 4 hours ago, in the kitchen."
+        "none that looked red. I last saw one, which looked white, today at 14:30, 4 hours ago, in "
+        "the kitchen."
     )
 
 

@@ -173,7 +173,9 @@ def test_a_refused_colour_is_told_with_what_was_seen(two_rooms: Home) -> None:
     assert (answer.status, answer.keyframes) == ("not_found", ())
     assert answer.otherwise is not None
     assert answer.otherwise.place == "living room"
-    assert answer.answer.startswith("I saw a cup, but none that looked purple. I last saw one tod")
+    assert answer.answer.startswith(
+        "I saw a cup, but none that looked purple. I last saw one, which looked red, tod"
+    )
 
 
 @pytest.mark.parametrize(
@@ -493,3 +495,29 @@ def test_what_may_have_the_colour_is_told_with_a_doubt_and_listed(two_rooms: Hom
     assert (none.answer, shown(none)) == ("none", ())
     anything = ask(store, "Is there anything purple?", now=NOW)
     assert (anything.status, "I saw looked purple" in anything.answer) == ("not_found", True)
+
+
+def test_what_is_gone_is_told_with_the_first_look_that_did_not_show_it() -> None:
+    home = Home(classes=("cup",))
+    home.thing("cup", "cup", paint="red")
+    home.seen("cup", 0, 5, at=(1, 1, 1), absent=300)
+    home.look(6, 1, 1)  # of the round that showed it
+    home.look(300, 1, 1)
+    plain = "When I looked there again today at 17:00, it was gone."
+    assert plain in told(home, "Where is the cup?")
+    home.look(250, 1, 1)
+    home.look(120, 1, 1)
+    home.look(60, 40, 40)  # elsewhere
+    first = (
+        "When I looked there again today at 14:00, I did not see it; today at 17:00 it was gone."
+    )
+    assert first in told(home, "Where is the cup?")
+    assert first in told(home, "Was the cup there today?")
+    store = OracleStore()
+    home.into(store)
+    record = ask(store, "Where is the cup?", now=NOW).to_json()["keyframes"][0]
+    assert record["first_missed"] == "2024-05-14T14:00:00-04:00"
+    assert record["last_absent"] == "2024-05-14T17:00:00-04:00"
+    home.thing("other", "cup", paint="blue")
+    home.seen("other", 299, 300, at=(3, 1, 1))
+    assert "I did not see that one; today at" in told(home, "Was a cup there before 1 pm today?")

@@ -156,8 +156,8 @@ SAID = {
         "I never saw an elephant. I last looked today at 15:40, 3 hours ago."
     ),
     "Did you see a yellow cup?": (
-        "I saw a cup, but none that looked yellow. I last saw one today at 15:30, 4 hours ago, in "
-        "the living room, next to the couch."
+        "I saw a cup, but none that looked yellow. I last saw one, which looked blue, today at "
+        "15:30, 4 hours ago, in the living room, next to the couch."
     ),
     "Did you see a purple cup?": (
         "I saw a cup, but I cannot be sure that it looked purple. I last saw it today at 15:30, "

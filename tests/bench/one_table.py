@@ -122,4 +122,5 @@ def _told(row: tuple[Any, ...], score: float, rank: int, now: datetime) -> Ranke
         beyond=None,
         vague=None,
         within=None,
+        first_missed=None,
     )
