@@ -9,7 +9,7 @@ from grammar.cursor import Tag
 from grammar.forms import ANYTHING, ObjectTerm
 from grammar.nouns import Attribute, Noun
 from grammar.nountags import PEOPLE
-from grammar.phrases import place_follows
+from grammar.phrases import phrases, place_follows
 from grammar.vocabulary import Lexicon
 from grammar.words import Word
 
@@ -31,8 +31,13 @@ def spoken_of(words: list[Word], lexicon: Lexicon) -> ObjectTerm | None:
 
 
 def there(words: list[Word]) -> list[Word]:
-    """Return the words with an `it` that means no thing as there: `is it a cup on the table`."""
+    """Return the words with an `it` that means no thing as there: `is it a cup on the table`.
+
+    It goes without saying in `anything left on the desk`.
+    """
     opening = tuple(w.text for w in words[:3])
+    if opening[:1] in _ANYTHING and len(words) > 2 and _left(opening[1]):
+        return [replace(words[0], text="is"), replace(words[0], text="there"), *words]
     if opening[:2] not in _IT_IS or opening[2:] not in _SOME:
         return words
     if not any(place_follows(words, k) for k in range(4, len(words))):
@@ -42,6 +47,13 @@ def there(words: list[Word]) -> list[Word]:
     return [being, replace(it, text="there"), *words[2:]]
 
 
+def _left(verb: str) -> bool:
+    """Whether a verb may tell what is done with a thing, and never what becomes of it."""
+    kinds = {kind for parts, kind in phrases().by_first.get(verb, ()) if len(parts) == 1}
+    return bool(kinds & {"SEE", "LEAVE", "FINDS"}) and kinds.isdisjoint(("MISSING", "MOVED"))
+
+
+_ANYTHING = (("anything",), ("something",))
 _IT_IS = (("is", "it"), ("was", "it"), ("it", "is"), ("it", "was"), ("has", "it"), ("it", "has"))
 _SOME = (("a",), ("an",), ("any",), ("some",), ("no",))
 _BEING = {"has": "is"}

@@ -41,9 +41,12 @@ _TAILS = words_of(
 def without_asides(spoken: list[list[Word]], lexicon: Lexicon) -> Iterator[list[list[Word]]]:
     """Yield the sentences with what stands around a question cut off, the least cut first."""
     cuts = [
-        [*_called(words, lexicon), *_questions_in(words), *_heads_of(words), *_undescribed(words)]
+        [
+            *_called(words, lexicon), *_questions_in(words), *_heads_of(words), *_unfound(words),
+            *_undescribed(words),
+        ]
         for words in spoken
-    ]
+    ]  # fmt: skip
     if any(cuts):
         tries = zip_longest(*([*kept] or [words] for kept, words in zip(cuts, spoken, strict=True)))
         for tried in islice(tries, _MOST_TRIES):
@@ -78,6 +81,16 @@ def _called(words: list[Word], lexicon: Lexicon) -> Iterator[list[Word]]:
     asked = texts[1] in QUESTION_WORDS and texts[2] in AUXILIARIES
     if (person or not thing) and (asked or _asks(texts, 1)):
         yield words[1:]
+
+
+def _unfound(words: list[Word]) -> Iterator[list[Word]]:
+    """Yield the question before it is told that its thing can not be found, and all the rest."""
+    texts = [w.text for w in words]
+    for i in range(3, len(texts) - 4):
+        lost = texts[i : i + 2] in (["i", "can"], ["we", "can"]) and texts[i + 2] == "not"
+        if lost and texts[i + 3] in ("find", "see") and texts[i + 4] in ("it", "them"):
+            yield words[:i]
+            return
 
 
 def _undescribed(words: list[Word]) -> Iterator[list[Word]]:

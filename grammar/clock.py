@@ -13,6 +13,7 @@ from grammar.days import TimeError, TimesApartError
 from grammar.forms import TimeSlice
 from grammar.moment import PART_HOURS, Moment, Setting, before
 
+_MEALS = ("breakfast", "brunch", "lunch", "tea", "dinner", "bedtime")
 _DAYS = frozenset(("day", "week", "fortnight", "weekend", "month", "year", "decade"))
 AROUND = timedelta(minutes=30)
 _CLOCK_READINGS = 4
@@ -169,7 +170,7 @@ def _between(first: tf.Pieces, second: tf.Pieces, around: tf.Pieces, setting: Se
     one = _night_between(Moment.of(first), Moment.of(second), context, setting)
     if one is not None:
         return one
-    a, b = _dates_from_numbers(Moment.of(first), Moment.of(second))
+    a, b = _dates_from_numbers(*_between_meals(Moment.of(first), Moment.of(second)))
     a, b, context = _days_of_month(a, b, context)
     if a.clock and b.clock and not b.dated and not a.dated:
         a, b = a.completed(context), b
@@ -207,6 +208,18 @@ def _between(first: tf.Pieces, second: tf.Pieces, around: tf.Pieces, setting: Se
     if end < start:
         raise TimeError("it ends before it starts")
     return TimeSlice(start, max(end, start_end if a.clock is None and end == start else end))
+
+
+def _between_meals(a: Moment, b: Moment) -> tuple[Moment, Moment]:
+    """Read an interval from a meal as from its end, and one to a meal as to where that begins."""
+    first, second = a.part_name() or "", b.part_name() or ""
+    if first in _MEALS and second in _MEALS and PART_HOURS[first][1] >= PART_HOURS[second][0]:
+        return a, b  # from lunch to brunch: they are not apart
+    if first in _MEALS and a.clock is None:
+        a = replace(a, part=None, clock=tf.Clock(PART_HOURS[first][1], exact=True))
+    if second in _MEALS and b.clock is None:
+        b = replace(b, part=None, clock=tf.Clock(PART_HOURS[second][0], exact=True))
+    return a, b
 
 
 def _night_between(a: Moment, b: Moment, context: Moment, setting: Setting) -> TimeSlice | None:

@@ -32,7 +32,24 @@ def sentences(words: list[Word]) -> list[list[Word]]:
         else:
             pause = word.text == ":" or (word.text == "-" and _breaks_off(words, i))
             found[-1].append(replace(word, text=",") if pause else word)
-    return [part for sentence in _gone_on(found) for part in _parted(sentence)]
+    return [
+        part for sentence in _gone_on(found) for asked in _told(sentence) for part in _parted(asked)
+    ]
+
+
+def _told(words: list[Word]) -> list[list[Word]]:
+    """Part from a question what is told of its thing after a comma: where is it, it is blue."""
+    texts = [w.text for w in words]
+    if words and texts[0] in QUESTION_STARTS and "," in texts:
+        for i in range(3, len(texts) - 3):
+            told = texts[i] == "," and texts[i + 1] in _THINGS and texts[i + 2] in _BEING
+            if told and not _asks_at(texts, i + 1):
+                return [words[:i], words[i + 1 :]]
+    return [words]
+
+
+_THINGS = words_of("it they he she")
+_BEING = words_of("is are was were")
 
 
 def _gone_on(found: list[list[Word]]) -> list[list[Word]]:

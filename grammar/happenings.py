@@ -14,6 +14,7 @@ from grammar.words import Word
 
 _BOUNDS = words_of("since after before until till")
 _THEN = words_of("when while as")
+_IT_WAS = (("it", "was"), ("it", "is"), ("it", "were"))
 _SUBJECTS = words_of("i we he she they everyone everybody")
 _LONGEST = 9
 """A clause has its time after so few words, counted from what joins it."""
@@ -26,6 +27,10 @@ def without_happenings(words: list[Word]) -> list[Word]:
     if _BOUNDS.isdisjoint(texts) and _THEN.isdisjoint(texts):
         return words
     for i, text in enumerate(texts):
+        if i and text in _THEN and tuple(texts[i + 1 : i + 3]) in _IT_WAS:
+            times = [time for time in timespan.find(texts) if _by_clock(time)]
+            if any(time.first == i + 3 for time in times):  # when it was four o'clock
+                return [*words[:i], replace(words[i], text="at"), *words[i + 3 :]]
         verb = _verb_of(texts, i + 1)
         if (text not in _BOUNDS and text not in _THEN) or not verb:
             continue

@@ -38,7 +38,7 @@ _THEIRS = frozenset(("his", "her", "their"))
 PEOPLE = KIN | words_of(
     "kid child guest visitor boy girl man woman baby person dog cat lady guy gentleman plumber "
     "caregiver caretaker housekeeper babysitter landlord landlady colleague coworker toddler "
-    "teenager grandchild grandkid"
+    "teenager grandchild grandkid staff crew porter janitor postman technician"
 )
 _AGES = words_of("little big small older younger elder old young eldest oldest youngest new other")
 _LEADING = _PLACE_WORDS | DETERMINERS | frozenset(OWNERS)
@@ -281,6 +281,9 @@ class NounTagger(ClauseTagger):
             k += 1
         while k > self.i and self._text(k) in _AGES:
             k += 1  # my little brother
+        named = k > self.i and self._open_at(k) and self._text(k) not in self.lexicon.names
+        if named and self.lexicon.singular(self._text(k + 1)) in PEOPLE:
+            k += self.lexicon.singular(self._text(k)) not in PEOPLE  # the cleaning lady
         text = self._text(k)
         kind = self.lexicon.singular(text)
         person = text in self.lexicon.names or kind in (PEOPLE if k > self.i else KIN)

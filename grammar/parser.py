@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from datetime import datetime
 from typing import TypeVar
 
-from grammar import asides, hues, respelling, speech, spelling
+from grammar import asides, dictated, hues, respelling, speech, spelling
 from grammar.cutting import sentences
 from grammar.errors import Ambiguous, QuestionError
 from grammar.forms import Correction, FormalQuery
@@ -63,7 +63,8 @@ def read(
         raise ValueError("now has no zone; hand in an aware datetime")
     lex = lexicon(words)
     reading = Reading(text, now, lex)
-    found, corrections = spelling.corrected(hues.with_hues(capped(text), lex), lex, words)
+    said = dictated.with_marks(capped(text), lex)
+    found, corrections = spelling.corrected(hues.with_hues(said, lex), lex, words)
     try:
         return meaning(reading, _plain(found, lex)), corrections
     except Ambiguous:

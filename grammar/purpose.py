@@ -65,6 +65,7 @@ def _last_saw(words: list[Word]) -> list[Word]:
     for which in ("last", "first"):
         for opening in (
             ["the", which, "time", "you"],
+            [which, "time", "you"],
             ["when", "you", which],
             ["when", which, "you"],
         ):

@@ -8,6 +8,7 @@ from functools import lru_cache
 from typing import Any
 
 from grammar import (
+    afterthought,
     antecedent,
     cutting,
     happenings,
@@ -66,6 +67,11 @@ def _told_when(asked: FormalQuery, told: FormalQuery | None, words: list[Word]) 
     return replace(asked, time=told.time, form=form)
 
 
+def _seeks_it(words: list[Word]) -> bool:
+    """Whether it is only told that what was asked for is wanted: i need them, i can't find it."""
+    return words[0].text == speech.SEEK and words[1].text in ("it", "them")
+
+
 @dataclass(frozen=True, slots=True)
 class Terminals:
     """A sentence ready for the grammar: its words without times, their terminals, its slice."""
@@ -88,8 +94,19 @@ class Reading:
         answer: FormalQuery | None = None
         failure: QuestionError = NotUnderstood(self.text, 0, "There is no question in it.")
         failed_question = False
+        question: list[Word] = []
         for words in sentences:
             asks = scope.asks(words)
+            if answer is not None and _seeks_it(words):
+                continue
+            if question and not asks:
+                if answer is None and afterthought.is_bare(self, words):
+                    continue  # is the cup clean? the red one
+                more = answer and afterthought.told_of(self, answer, question, words)
+                if more:
+                    answer, question = more
+                    continue
+            question = words if asks else question
             try:
                 told, answer = answer, self.sentence(words, it)
                 answer = _told_when(answer, told, words)
@@ -109,7 +126,7 @@ class Reading:
         """Read one sentence; `it` is what its pronouns mean."""
         found = self.terminals(words, it)
         meaning = self.parsed(found, "start")
-        if meaning.things.items and self._questioned(words, found):
+        if meaning.ask == "where" and meaning.things.items and self._questioned(words, found):
             meaning = replace(meaning, ask="whether", newest=False)  # my keys on the table?
         scope.refuse_noise(
             self.text, found.tagged, found.words, self.lexicon, timed=found.time is not None
@@ -119,7 +136,8 @@ class Reading:
     def _questioned(self, words: list[Word], found: Terminals) -> bool:
         """Whether a thing and its place are said alone, with a question mark."""
         verbal = any(t.type[0] == "_" or t.type in _VERBAL for t in found.tagged.tags)
-        return not verbal and self.text[words[-1].end :].lstrip().startswith("?")
+        ends = self.text[words[-1].end :].lstrip().lower()
+        return not verbal and ends.startswith(("?", "question mark"))
 
     def again(self, text: str) -> FormalQuery:
         """Read another spelling of the text, its times said in another way."""

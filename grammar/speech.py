@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from grammar import numbers, stutters, timespan
+from grammar import calling, numbers, stutters, timespan
 from grammar.closed import LEADING, is_open, words_of
 from grammar.corrections import HESITATING, corrected
 from grammar.nountags import KIN, PEOPLE
@@ -30,7 +30,8 @@ def plain(words: list[Word], lexicon: Lexicon) -> list[Word]:
     words = corrected(words, lexicon)
     words = stutters.without_stutters(words, lexicon)
     words = stutters.begun_anew(_opened(_searching(words)))
-    return _located(_closed(_searching(_without_thought(words))))
+    words = calling.without_calls(_closed(_searching(_without_thought(words))), lexicon)
+    return _located(words)
 
 
 def _searching(words: list[Word]) -> list[Word]:
@@ -73,14 +74,22 @@ _THOUGHTS = words_of("think believe reckon guess suppose say tell")
 def _located(words: list[Word]) -> list[Word]:
     """Read a thing's location as where it is: `my phone's location`, `wallet location`."""
     texts = [w.text for w in words]
-    if len(words) < 2 or texts[-1] not in ("location", "whereabouts") or "of" in texts:
-        return words
+    at = next((i for i, text in enumerate(texts) if text in _LOCATIONS), 0)
     first = next((n for n in (2, 0) if tuple(texts[:n]) in _SHOWN), None)
-    if first is None or len(words) - first < 2:
+    if first is None or at - first < 1 or "of" in texts or not is_open(texts[at - 1]):
         return words
-    named = [*words[first:-2], replace(words[-2], text=texts[-2].removesuffix("'s"))]
-    place = words[-1]
-    return [replace(place, text="where"), replace(place, text="is"), *named]
+    if not AUXILIARIES.isdisjoint(texts[first:at]):
+        return words  # did it change position
+    times = timespan.find(texts[at + 1 :])
+    when = times and (times[0].first, times[-1].last) == (0, len(texts) - at - 1)
+    if at + 1 < len(texts) and not when:
+        return words
+    named = [*words[first : at - 1], replace(words[at - 1], text=texts[at - 1].removesuffix("'s"))]
+    asked = (replace(words[at], text=text) for text in ("where", "was" if when else "is"))
+    return [*asked, *named, *words[at + 1 :]]
+
+
+_LOCATIONS = ("location", "whereabouts", "position")
 
 
 _SHOWN = ((), ("what", "is"), ("give", "me"), ("show", "me"), ("tell", "me"), ("get", "me"))

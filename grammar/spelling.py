@@ -92,7 +92,19 @@ def _meant_by(words: list[Word], i: int, store: StoreWords, lex: Lexicon) -> str
     """Return the word that the unknown one at `i` is a slip of, None where it stays."""
     knows = known(store)
     taken = _misread(words[i], knows) or _small_word(words, i, knows, lex)
-    return taken or _taken(words[i], knows, store, lex, located=_located(words, i))
+    taken = taken or _taken(words[i], knows, store, lex, located=_located(words, i))
+    return None if taken in lex.attributes and _names_thing(words, i, lex) else taken
+
+
+def _names_thing(words: list[Word], i: int, lex: Lexicon) -> bool:
+    """Whether a noun is due at `i`, and no look: my slime on the desk is nothing slim."""
+    before = words[i - 1].text if i else ""
+    after = words[i + 1].text if i + 1 < len(words) else ""
+    ends = not is_open(after) and after not in _BEFORE_ONES
+    return ends and (before in _DETERMINING or before in lex.attributes)
+
+
+_BEFORE_ONES = ("one", "ones", "and", "or", ",", "but")
 
 
 def _located(words: list[Word], i: int) -> bool:

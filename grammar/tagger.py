@@ -222,6 +222,8 @@ class Tagger(OpenTagger):
     def _emit_phrase(self, terminal: str, said: str, size: int) -> None:
         """Emit the terminals of a phrase, and keep beside what it says of the selection."""
         match terminal:
+            case "seen_alone" if self.out.select in ("last", "first"):  # last seen toolbox
+                self._emit("_WHERE", said, size)
             case "seen_alone":
                 for kind, value in (("AUX", "have"), ("WHO", "you"), ("SEE", said)):
                     self._emit(kind, value, 0)

@@ -77,6 +77,15 @@ class JointReader(DigitReader):
         then = rest[1] if rest[0] == "the" and len(rest) > 1 else rest[0]
         return not ends and rest[-1] != "on" and (then in _THEN or "ago" in rest)
 
+    def _meal_bounds(self) -> bool:
+        """Whether a meal begins or ends an interval: between breakfast and lunch, from 8 to tea."""
+        if self._is("_AND", "_TO"):
+            return len(self.before) > 1 and self.before[-2] is not None
+        other = self._at(2)
+        timed = other in tw.PARTS or other in tw.FIXED_CLOCKS or other[:1].isdecimal()
+        joined = self._at(1) in ("and", "to", "until", "till")
+        return self._is("_BETWEEN", "_FROM") and joined and (timed or other in numbers.CARDINALS)
+
     def _open(self, opens: str, closes: str) -> bool:
         """Whether an `opens` token still waits for its `closes`."""
         depth = 0

@@ -19,6 +19,7 @@ _LEADS_PART = words_of(
     "the at in this last early late by yesterday that of on all during evening every before after "
     "since until around each whole entire"
 )
+_LEADS_MEAL = words_of("at before after since until during around by over")
 _LEADS_THE_PART = words_of("in during since of through at before after until all for over")
 _LEADS_SEASON = words_of("the in last this since during past previous")
 _COUNTED_WITHIN = words_of("minute hour day week weekend month")
@@ -124,6 +125,8 @@ class _Reader(UnplacedReader):
         if self.word not in ("past", "last", "previous", "preceding", "recent"):
             return None
         following = self._at(1)
+        if not following and self._is("WEEKDAY"):
+            return self._make("LINK", self.word, 1)  # on monday last, on sunday past
         counted = following in _COUNTED_WITHIN or following in tw.WEEKDAY_NUMBER
         inside = self._at(2) == "of"
         if self.word == "last" and counted and inside:
@@ -336,17 +339,8 @@ class _Reader(UnplacedReader):
     def _part(self, word: str) -> TimeToken | None:
         part = tw.PARTS[word]
         if part in ("lunch", "breakfast", "dinner", "tea", "bedtime", "midday", "day"):
-            if not (word == "daytime" and self._at(-1) == "the") and self._at(-1) not in (
-                "at",
-                "before",
-                "after",
-                "since",
-                "until",
-                "during",
-                "around",
-                "by",
-                "over",
-            ):
+            led = self._at(-1) in _LEADS_MEAL or self._meal_bounds()
+            if not led and not (word == "daytime" and self._at(-1) == "the"):
                 return None
             return None if self._noun(self._at(1)) else self._make("PART", part, 1)
         if (

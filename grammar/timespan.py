@@ -82,8 +82,8 @@ def _longest(run: list[TimeToken], start: int, words: list[str]) -> tuple[Spoken
     return None
 
 
-_CLOSING = ("sharp", "exactly", "precisely", "promptly")
-"""What may follow a clock time and say that it is meant to the minute."""
+_CLOSING = ("sharp", "exactly", "precisely", "promptly", "past", "last")
+"""What may follow a time: that it is meant to the minute, that the weekday is the last one."""
 
 
 def _any_time(token: TimeToken, start: int, words: list[str]) -> tuple[SpokenTime, int] | None:

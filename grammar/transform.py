@@ -79,6 +79,7 @@ def _but(words: tuple[Any, ...]) -> Things:
     return Things(Group((replace(THING, other_than=others),)), items_of(words))
 
 
+_ITEMS = ("thing", "object", "item", "stuff", "belonging")
 _EVERY = ("everything", "all")
 """What is listed where nothing is asked: everything in the hall."""
 
@@ -385,7 +386,7 @@ class Meanings(Terms):
         if terms and terms[0].word in _EVERY:
             return Meaning("what", things)
         if things.items and terms and terms[0].category == ANYTHING and not terms[0].attributes:
-            return Meaning("whether", things)
+            return Meaning("what" if terms[0].word in _ITEMS else "whether", things)
         return Meaning("where", things, newest=True)
 
     def told(self, *words: Any) -> Meaning:

@@ -35,13 +35,21 @@ def _no_things(found: FormalQuery, said: list[str], lexicon: Lexicon) -> Iterato
         head = term.word.rpartition(" ")[2]
         if head == "like" and len(term.word) > len(head):
             yield head, "It knows no properties of things"
-        if i == 0 and _is_abstract(term.word, head, lexicon):
+        which = i > 0 and found.ask == "where" and _asks_which(said)
+        if ((not i or which) and _is_abstract(term.word, head, lexicon)) or (
+            which and head in _ORDERS
+        ):
             word = next((w for w in said if w.startswith(head[:4])), said[-1])
             yield word, f"“{term.word}” is no thing that a camera sees"
     together = found.relation is not None and found.relation.kind == "together"
     first = found.objects[0].category if found.objects else ""
     if found.ask == "count" and together and first in scope.lists()["content"]:
         yield said[-1], f"How many of “{first}” a thing has cannot be seen from outside"
+
+
+def _asks_which(said: list[str]) -> bool:
+    """Whether it is asked on or in which one a thing is: what style is it in, on which page."""
+    return not {"what", "which"}.isdisjoint(said[:2])
 
 
 def _states(found: FormalQuery, said: list[str], lexicon: Lexicon) -> Iterator[tuple[str, str]]:
@@ -65,6 +73,8 @@ def _states(found: FormalQuery, said: list[str], lexicon: Lexicon) -> Iterator[t
             yield said[-1], "What is in a vessel is a state of it"
 
 
+_ORDERS = words_of("order sequence page channel setting mode gear position")
+"""What a thing is set to, or has its turn in: what channel is it on."""
 _ONLY_STATES = words_of("asleep awake alive alone ajar afraid awry askew ablaze alight")
 """Words that say how a thing is, and stand before none."""
 
@@ -86,6 +96,8 @@ def _no_places(found: FormalQuery, said: list[str], lexicon: Lexicon) -> Iterato
     for term in found.objects[1:]:
         if term.word in scope.lists()["medium"] and on_it:
             yield said[-1], f"“{term.word}” is no place for things"
+        if term.quantity is not None and term.word in _MEASURES:
+            yield said[-1], _STATES
     placed = found.relation is not None and found.objects
     if placed and found.objects[0].category in lexicon.places:
         yield said[-1], "It knows no plan of the building"
@@ -105,6 +117,7 @@ def _doings(found: FormalQuery, said: list[str], lexicon: Lexicon) -> Iterator[t
             yield said[-1], _PEOPLE
 
 
+_MEASURES = words_of("degree percent celsius fahrenheit volt watt amp litre liter mph kmh psi bar")
 _DWELLING = words_of("live lives lived stay stays stayed work works worked sleep sleeps")
 _STATES = "It knows no states of things"
 _PEOPLE = "It remembers things, not the doings of people"

@@ -80,6 +80,8 @@ _WITHOUT_APOSTROPHE = {
     "r": ("are",),
     "u": ("you",),
     "ur": ("your",),
+    "ye": ("you",),
+    "yer": ("your",),
     "em": ("them",),
     "wat": ("what",),
     "whereis": ("where", "is"),

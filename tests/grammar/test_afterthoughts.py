@@ -1,0 +1,161 @@
+"""What is said after a question, whom it calls, and marks that are dictated by their names."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from datetime import datetime
+
+import pytest
+
+from grammar import OutOfScope, QuestionError, parse
+
+NOW = datetime.fromisoformat("2026-05-14T20:30:00+01:00")
+
+
+def alike(said: str, plainly: str) -> bool:
+    """Whether two sayings are one query, but for their tense."""
+    found, meant = (replace(parse(t, now=NOW), text="", now=False) for t in (said, plainly))
+    return found == meant
+
+
+@pytest.mark.parametrize(
+    ("said", "plainly"),
+    [
+        ("Where's my kite? The yellow one.", "where is my yellow kite"),
+        ("Where's my kite? Not the yellow one.", "where is my kite that is not yellow"),
+        ("Where's my kite? Not the yellow one, the pink one.", "where is my pink kite"),
+        ("Where's my kite? Not the yellow one but the pink one.", "where is my pink kite"),
+        ("Where is my kite? I mean the pink one.", "where is my pink kite"),
+        ("Where is my kite? It's pink.", "where is my pink kite"),
+        ("Where is my kite, it's the pink one", "where is my pink kite"),
+        ("Did you see my kite yesterday? The pink one.", "did you see my pink kite yesterday"),
+        ("Is the kite on the lawn? The pink one.", "is the pink kite on the lawn"),
+        ("How many kites are there? Pink ones.", "how many pink kites are there"),
+        ("What is on the lawn? Anything pink?", "which pink things are on the lawn"),
+        ("Did you see my hamster? She is small and brown.", "did you see my small brown hamster"),
+        ("Have you seen my hamster? I need it.", "have you seen my hamster"),
+        ("I can't find my kite. It's pink.", "i can not find my pink kite"),
+        ("Where is the kite? Anna's.", "where is anna's kite"),
+        ("Where are the keys? The car keys.", "where are the car keys"),
+        ("Where is the kite? The one on the lawn.", "where is the kite on the lawn"),
+        ("How many kites are there? On the lawn.", "how many kites are on the lawn"),
+        ("How many kites did you see? Yesterday, I mean.", "how many kites did you see yesterday"),
+        ("Where was the kite? Around noon.", "where was the kite around noon"),
+        ("How many kites are there? On the lawn. Red ones.", "how many red kites are on the lawn"),
+    ],
+)  # fmt: skip
+def test_what_is_told_of_its_thing_goes_to_the_question(said: str, plainly: str) -> None:
+    assert alike(said, plainly)
+
+
+@pytest.mark.parametrize(
+    ("said", "plainly"),
+    [
+        ("Where is my kite? It's urgent.", "where is my kite"),
+        ("Where is my kite? My bag?", "where is my bag"),
+        ("Where is my kite? Thanks.", "where is my kite"),
+    ],
+)
+def test_what_tells_nothing_of_it_leaves_the_question(said: str, plainly: str) -> None:
+    assert alike(said, plainly)
+
+
+@pytest.mark.parametrize(
+    "said", ["Is the kite dirty? The pink one.", "What's that worth? My pink kite."]
+)
+def test_a_thing_named_after_a_refused_question_is_not_looked_for(said: str) -> None:
+    with pytest.raises(OutOfScope):
+        parse(said, now=NOW)
+
+
+@pytest.mark.parametrize(
+    ("said", "plainly"),
+    [
+        ("where's my kite, hen?", "where is my kite"),
+        ("where's my kite, Maureen?", "where is my kite"),
+        ("is the kite on the lawn, big fella", "is the kite on the lawn"),
+        ("is the kite in the kitchen, Moe", "is the kite in the kitchen"),
+        ("did you see my kite, gaffer, yesterday", "did you see my kite yesterday"),
+        ("where is my kite karen", "where is my kite"),
+        ("is the kite in the kitchen grandma", "is the kite in the kitchen"),
+        ("where is the car jack", "where is the car jack"),
+    ],
+)
+def test_who_is_called_is_no_part_of_the_thing(said: str, plainly: str) -> None:
+    found = parse(said, now=NOW)
+    assert alike(said, plainly)
+    assert found.objects[0].word in ("kite", "car jack")
+
+
+def test_a_list_calls_nobody() -> None:
+    found = parse("where are the kite, the gizmo, and the bag", now=NOW)
+    assert [term.word for term in found.objects] == ["kite", "gizmo", "bag"]
+
+
+@pytest.mark.parametrize(
+    ("said", "plainly"),
+    [
+        ("where is my kite question mark", "where is my kite?"),
+        ("robot comma where is my kite full stop", "where is my kite"),
+        ("is anything on the stairs period", "is anything on the stairs"),
+        ("where are the kite comma the bag comma and the cup", "where are the kite, bag and cup"),
+        ("my kite on the lawn question mark", "my kite on the lawn?"),
+    ],
+)
+def test_a_mark_may_be_dictated(said: str, plainly: str) -> None:
+    assert alike(said, plainly)
+
+
+@pytest.mark.parametrize("said", ["question mark", "question mark poster", "big question mark"])
+def test_a_thing_may_be_called_as_a_mark_is(said: str) -> None:
+    assert parse(f"where is the {said}", now=NOW).objects[0].word in said
+
+
+@pytest.mark.parametrize(
+    "said",
+    [
+        "is the hall light on question mark",
+        "what style is the furniture in",
+        "which side of the bed is the lamp on",
+        "what order are the books in",
+        "what channel is the television on",
+        "is the oven at 200 degrees",
+        "was the battery at 20 percent",
+    ],
+)
+def test_what_no_thing_is_in_or_on_is_refused(said: str) -> None:
+    with pytest.raises(QuestionError):
+        parse(said, now=NOW)
+
+
+@pytest.mark.parametrize(
+    ("said", "plainly"),
+    [
+        ("which kites went missing yesterday", "which kites are missing yesterday"),
+        ("last seen: kite", "kite last seen"),
+        ("objects on the lawn", "what is on the lawn"),
+        ("anything left on the lawn?", "is there anything left on the lawn"),
+        ("kite location yesterday", "where was the kite yesterday"),
+        ("show the positions of all kites", "where are all the kites"),
+        ("give me everywhere the kite has been", "everywhere the kite has been"),
+        ("where was the kite last time you saw it", "where was the kite the last time you saw it"),
+        ("where was the kite when it was four o'clock", "where was the kite at four o'clock"),
+        ("when did you last clap eyes on my kite", "when did you last see my kite"),
+        ("did the delivery man leave a kite on the lawn", "did anna leave a kite on the lawn"),
+        ("where's my kite I can't find it and mum says we must go", "where is my kite"),
+        ("where was the kite on monday last", "where was the kite last monday"),
+        ("where was the kite on sunday past", "where was the kite last sunday"),
+        ("where was the kite between breakfast and lunch", "where was the kite from 9 am to 11 am"),
+        ("where was the kite from lunch until dinner", "where was the kite from 14:00 to 18:00"),
+        ("where was the kite between 8 am and lunch", "where was the kite from 8 am to 11 am"),
+    ],
+)  # fmt: skip
+def test_ways_to_say_it(said: str, plainly: str) -> None:
+    found, meant = (parse(t, now=NOW) for t in (said, plainly))
+    told = ("ask", "relation", "place", "time", "select", "negated")
+    assert [getattr(found, name) for name in told] == [getattr(meant, name) for name in told]
+    assert [term.category for term in found.objects] == [term.category for term in meant.objects]
+
+
+def test_a_thing_that_nobody_knows_is_no_misspelled_look() -> None:
+    assert parse("did anyone put my slime on the bench", now=NOW).objects[0].word == "slime"
