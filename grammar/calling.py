@@ -41,6 +41,9 @@ def _calls(words: list[Word], first: int, end: int, lexicon: Lexicon) -> bool:
     texts = [w.text for w in words[first:end]]
     if not 0 < len(texts) <= _LONGEST or not all(map(is_open, texts)):
         return False
+    pause, before = words[first - 1], words[first - 2].text
+    if pause.end - pause.start > 1 and is_open(before) and not lexicon.known_noun(before):
+        return False  # the pruning... shears
     if [w.text for w in words[end + 1 : end + 2]] in (["and"], ["or"]):
         return False  # the keys, gizmo, and the bag
     if texts[-1] in KIN or texts[-1] in lexicon.names:
@@ -54,7 +57,8 @@ def _calls(words: list[Word], first: int, end: int, lexicon: Lexicon) -> bool:
 def _called(texts: list[str], lexicon: Lexicon) -> bool:
     """Whether a person is called by name, with no pause, after a thing: where is my phone anna."""
     *_, thing, person = texts
-    if (person not in lexicon.names or person in _THINGS_TOO) and person not in KIN:
+    named = person in lexicon.names and person not in _THINGS_TOO
+    if (not named and person not in KIN) or person in lexicon.attributes:
         return False
-    named = lexicon.known_noun(thing) or thing in lexicon.places or thing in _NAMED
-    return bool(named) and not lexicon.known_noun(f"{thing} {person}")
+    before = lexicon.known_noun(thing) or thing in lexicon.places or thing in _NAMED
+    return bool(before) and not lexicon.known_noun(f"{thing} {person}")
