@@ -19,6 +19,7 @@ from d3a.answering.bounded import (
     find_bounded,
     find_joined,
     finds_stays_late,
+    joins_late,
 )
 from d3a.answering.conclude import conclude
 from d3a.answering.facts import Facts
@@ -266,6 +267,8 @@ def _find_sightings(run: Run, step: FindSightings) -> None:
         return
     if step.select is not None and step.var not in run.rooms:
         find_bounded(run, step)
+    elif joins_late(run):
+        run.late.add(step.var)
     elif not find_many(run, step):
         find_joined(run, step)
 

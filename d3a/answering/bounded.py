@@ -16,10 +16,14 @@ from d3a.answering.moments import Found, joined
 from d3a.answering.run import Run, milliseconds
 from d3a.answering.steps import (
     FilterPlace,
+    FindEdge,
     FindSightings,
     Gather,
     JudgeAttributes,
+    KeepOften,
     KeepPresent,
+    KeepThen,
+    KeepUsual,
     Relate,
 )
 from d3a.rank import LEAST_OF_BEST, TENTATIVE
@@ -31,6 +35,8 @@ MOST_JOINED = 10_000
 """Sightings of either thing of a relation that are joined at most: the newest of them."""
 AS_GOOD = 0.9
 """Objects this near to the best in worth are as good: then the newer one comes first."""
+COUNTED = ("count", "how_long", "how_often")
+_SIFTING = (FilterPlace, FindEdge, JudgeAttributes, KeepOften, KeepPresent, KeepThen, KeepUsual)
 
 
 def find_bounded(run: Run, step: FindSightings) -> None:
@@ -61,7 +67,7 @@ def find_joined(run: Run, step: FindSightings) -> None:
     """
     table = run.found[step.var]
     start, end = milliseconds(step.start), milliseconds(step.end)
-    counted = run.query.ask in ("count", "how_long", "how_often")
+    counted = run.query.ask in COUNTED
     joins = run.query.relation is not None or any(isinstance(s, Gather) for s in run.steps)
     if joins and start is None and end is None and not counted:
         _reach(run, oldest=run.query.select == "first")
@@ -82,6 +88,33 @@ def _reach(run: Run, *, oldest: bool) -> None:
         else:
             run.since_ms = max(run.since_ms, reach)
     run.reached |= run.found.keys()
+
+
+def joins_late(run: Run) -> bool:
+    """Whether what was together is counted over more sightings than are read whole.
+
+    Nothing else narrows it; of one kind, the most that were together at once.
+    """
+    joins = [step for step in run.steps if isinstance(step, Relate | Gather)]
+    if len(joins) != 1 or run.rooms or any(isinstance(step, _SIFTING) for step in run.steps):
+        return False
+    join = joins[0]
+    if join.kind != "together" or join.negated or run.query.ask not in COUNTED:
+        return False
+    if isinstance(join, Gather):
+        known = join.most and len(join.vars) == 1
+    else:
+        known = join.keep == "moments" and len(join.vars) == 2
+    if not known or not all(run.found[var].candidates for var in join.vars):
+        return False
+    return any(run.facts.are_many(run.found[var].ids, *slice_of(run, var)) for var in join.vars)
+
+
+def slice_of(run: Run, var: str) -> tuple[int | None, int | None]:
+    """Return the closed interval that the sightings of a variable are asked for in."""
+    find = next(s for s in run.steps if isinstance(s, FindSightings) and s.var == var)
+    start, end = milliseconds(find.start), milliseconds(find.end)
+    return start, None if end is None else end - 1
 
 
 def finds_stays_late(run: Run) -> bool:

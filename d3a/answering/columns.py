@@ -117,8 +117,8 @@ def parts(spans: Spans) -> Ints:
     """Return the number of the sighting that each is a part of (n,): the limit split some."""
     stay = stay_of(spans)
     order = np.lexsort((spans.start_ms, stay))
-    start, reached = spans.start_ms[order], _reached(stay[order], spans.end_ms[order])
-    split = (np.diff(stay[order]) == 0) & (start[1:] - reached[:-1] <= SPLIT_GAP_MS)
+    start, until = spans.start_ms[order], reached(stay[order], spans.end_ms[order])
+    split = (np.diff(stay[order]) == 0) & (start[1:] - until[:-1] <= SPLIT_GAP_MS)
     numbers = np.empty(len(order), dtype=np.int64)
     numbers[order] = np.cumsum(np.append(False, ~split)[: len(order)])
     return numbers
@@ -150,7 +150,7 @@ def whole(spans: Spans, rows: NDArray[np.intp]) -> NDArray[np.intp]:
     return np.asarray(np.flatnonzero(np.isin(part, part[rows])))
 
 
-def _reached(of: Ints, end_ms: Ints) -> Ints:
+def reached(of: Ints, end_ms: Ints) -> Ints:
     """Return the greatest end so far within each group (n,); groups stand together, ascending."""
     if not len(of):
         return end_ms

@@ -304,11 +304,18 @@ def _in_view_ms(run: Run) -> int:
     if not run.spans:
         return total_ms(_clipped(run, [(m.start_ms, m.end_ms) for m, *_ in run.ranked]))
     low, high = _asked_span(run)
-    seen = [columns.occasions(spans) for spans in run.spans.values()]
-    start, end = (np.concatenate(each) for each in zip(*seen, strict=True))
+    start, end = (np.concatenate(each) for each in zip(*_occasions(run), strict=True))
     start = start if low is None else np.maximum(start, low)
     end = end if high is None else np.minimum(end, high)
     return int(columns.covered_ms(np.zeros_like(start), start, end, 1)[0])
+
+
+def _occasions(run: Run) -> list[tuple[columns.Ints, columns.Ints]]:
+    """Return when it was so, of each variable with more than is told."""
+    return [
+        (run.so[var].start_ms, run.so[var].end_ms) if var in run.so else columns.occasions(spans)
+        for var, spans in run.spans.items()
+    ]
 
 
 def _value(run: Run, least: int, stayed: Sequence[tuple[int, int]]) -> float | None:
@@ -319,9 +326,7 @@ def _value(run: Run, least: int, stayed: Sequence[tuple[int, int]]) -> float | N
     if run.query.ask == "count":
         return float(least if run.figures == 1 else run.figures)
     if run.query.ask == "how_often":
-        return float(
-            sum(len(columns.occasions(s)[0]) for s in run.spans.values()) or len(run.ranked)
-        )
+        return float(sum(len(start) for start, _ in _occasions(run)) or len(run.ranked))
     if run.query.ask == "how_long":
         return (total_ms(stayed) if stayed else _in_view_ms(run)) / 1000
     return None

@@ -141,7 +141,7 @@ def _overlapping(figure: Found, ground: Found, reach_m: float) -> list[tuple[Sig
     rows_a, place_a = _placed(figure)
     rows_b, place_b = _placed(ground)
     found: list[tuple[Sighting, Sighting]] = []
-    for i, j in _at_once(_intervals(rows_a), _intervals(rows_b)):
+    for i, j in overlapping(_intervals(rows_a), _intervals(rows_b)):
         apart = place_a[i] - place_b[j]
         near = np.einsum("ik,ik->i", apart, apart) <= reach_m**2
         pairs = zip(i[near].tolist(), j[near].tolist(), strict=True)
@@ -167,7 +167,7 @@ def _placed(found: Found) -> tuple[list[Sighting], NDArray[np.float64]]:
     return rows, np.array(places, dtype=np.float64).reshape(-1, 3)
 
 
-def _at_once(span_a: Intervals, span_b: Intervals) -> Iterator[tuple[Rows, Rows]]:
+def overlapping(span_a: Intervals, span_b: Intervals) -> Iterator[tuple[Rows, Rows]]:
     """Yield the pairs of rows whose closed intervals (n, 2) overlap, by the first and the second.
 
     A sweep: of the second, sorted by start, only those can overlap that begin before the first

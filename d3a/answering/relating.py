@@ -26,6 +26,7 @@ from d3a.answering.joins import (
     Related,
     meeting,
 )
+from d3a.answering.late import find_after_all, gather_most, tell_together
 from d3a.answering.linked import Link
 from d3a.answering.moments import Found, Moment, common_span, in_slice
 from d3a.answering.run import Run, milliseconds
@@ -35,6 +36,8 @@ from d3a.store.base import Encounter, Sighting, StayKey
 
 def relate_found(run: Run, step: Relate) -> None:
     """Join what was found for the variables of a step where its relation holds, or does not."""
+    if run.late and (tell_together(run, step) or find_after_all(run)):
+        return
     tables = [run.found[var] for var in step.vars]
     keep_reached(run, tables)
     figure, grounds = tables[0], tables[1:]
@@ -208,6 +211,8 @@ def gather(run: Run, step: Gather) -> None:
 
     What was together is told as so many; of the most that were together, as many as there were.
     """
+    if run.late and (gather_most(run, step) or find_after_all(run)):
+        return
     tables = [run.found[var] for var in step.vars]
     keep_reached(run, tables)
     run.moments = []

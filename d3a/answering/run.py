@@ -49,9 +49,10 @@ class Run:
     so, where that is asked; doubted: what was so and may be elsewhere by now; since_ms,
     until_ms: from when on or until when a relation was looked for, as the variables `reached`
     allow. spans: by variable, all sightings that count, where those that were found are a choice
-    of them; newest_alone: the variables of which each object's newest sighting was found and no
-    other; named_alone: the things that a name alone chose for the first variable; many: those of
-    which not all stays are read; unplaced: of these those that nobody
+    of them; so: of those that stood in a relation, when they did; late: the variables of which
+    nothing is read before it is related; newest_alone: the variables of which each object's newest
+    sighting was found and no other; named_alone: the things that a name alone chose for the first
+    variable; many: those of which not all stays are read; unplaced: of these those that nobody
     knows a place of.
     """
 
@@ -88,6 +89,8 @@ class Run:
     until_ms: int | None = None
     reached: set[str] = field(default_factory=set)
     spans: dict[str, Spans] = field(default_factory=dict)
+    so: dict[str, Spans] = field(default_factory=dict)
+    late: set[str] = field(default_factory=set)
     newest_alone: set[str] = field(default_factory=set)
     named_alone: tuple[str, ...] = ()
     many: set[str] = field(default_factory=set)

@@ -27,7 +27,7 @@ def stretches(run: Run, step: FindStretches) -> list[Stretch]:
     At the same place it was so even where no frame shows what it was related to.
     """
     var = step.var
-    if var in run.many:
+    if var in run.many or var in run.so:
         return stretches_of_many(run, step)
     found, moments = run.found[var], run.answering(var)
     sifted = run.before_relation.get(var) or run.before_place.get(var)

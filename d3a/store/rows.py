@@ -158,8 +158,8 @@ def stay_record(row: Row) -> StayRecord:
 
 
 def positions(object_ids: Sequence[str], rows: Sequence[Row]) -> Positions:
-    """Return rows of (object_id, place, x, y, site, covariance) as columns."""
-    *columns, packed = zip(*rows, strict=True) if rows else ((),) * 6
+    """Return rows of (object_id, place, x, y, z, site, covariance) as columns."""
+    *columns, packed = zip(*rows, strict=True) if rows else ((),) * 7
     unknown = _COVARIANCE.pack(*UNKNOWN)
     covariance = np.frombuffer(b"".join([each or unknown for each in packed]), dtype="<f8")
     return Positions.of_columns(object_ids, columns, covariance.reshape(-1, 9))

@@ -89,8 +89,9 @@ class Positions:
     """Where the stays of objects are, by (object_id, place).
 
     ids: the objects that were asked for, sorted, none twice. of, place (n,): the number of a stay's
-    object among `ids`, and its place. x, y (n,): metres; variance (n,): of the position, the mean
-    over its axes, in square metres; NaN where unknown. site (n,): the number of its map in `sites`.
+    object among `ids`, and its place. x, y, z (n,): metres; variance (n,): of the position, the
+    mean over its axes, in square metres; NaN where unknown. site (n,): the number of its map in
+    `sites`.
     """
 
     ids: tuple[str, ...]
@@ -98,6 +99,7 @@ class Positions:
     place: Ints
     x: Floats
     y: Floats
+    z: Floats
     variance: Floats
     site: Ints
     sites: tuple[str, ...]
@@ -106,10 +108,10 @@ class Positions:
     def of_columns(
         cls, object_ids: Sequence[str], columns: Sequence[Sequence[Any]], covariance: Floats
     ) -> Positions:
-        """Return (object_id, place, x, y, site) of stays in their order, and covariance (n, 9)."""
+        """Return (object_id, place, x, y, z, site) of stays in order, and covariance (n, 9)."""
         ids = tuple(sorted({*object_ids}))
         number = {name: n for n, name in enumerate(ids)}
-        names, place, x, y, site = columns
+        names, place, x, y, z, site = columns
         sites = {name: n for n, name in enumerate(dict.fromkeys(site))}
         return cls(
             ids,
@@ -117,6 +119,7 @@ class Positions:
             np.array(place, dtype=np.int64),
             np.array(x, dtype=np.float64),  # None becomes NaN
             np.array(y, dtype=np.float64),
+            np.array(z, dtype=np.float64),
             (covariance[:, 0] + covariance[:, 4] + covariance[:, 8]) / 3,
             np.array([sites[name] for name in site], dtype=np.int64),
             tuple(sites),
@@ -125,12 +128,13 @@ class Positions:
     @classmethod
     def of_stays(cls, object_ids: Sequence[str], stays: Sequence[StayRecord]) -> Positions:
         """Return the columns of stays that were read, in their order."""
-        places = [stay.position or (None, None) for stay in stays]
+        places = [stay.position or (None, None, None) for stay in stays]
         columns = (
             [stay.object_id for stay in stays],
             [stay.place for stay in stays],
             [at[0] for at in places],
             [at[1] for at in places],
+            [at[2] for at in places],
             [stay.site for stay in stays],
         )
         covariance = np.array([s.covariance or UNKNOWN for s in stays], dtype=np.float64)

@@ -263,7 +263,7 @@ def spans(
 
 def positions(object_ids: Sequence[str]) -> Select:
     """Return the query of `Store.positions`."""
-    columns = "object_id, place, x, y, site, covariance"
+    columns = "object_id, place, x, y, z, site, covariance"
     select = Select(columns, "stc", "object_id, place")
     select.where(among("object_id", "ids"), ids=as_list(object_ids))
     return select

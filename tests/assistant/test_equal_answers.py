@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 
 from assistant.asking import ask_query
 from assistant.lexicon import VocabularyLexicon
-from d3a.answering import bounded, facts, many
+from d3a.answering import bounded, facts, late, many
 from d3a.answering.facts import Facts
 from d3a.execute import execute
 from d3a.plan import plan
@@ -71,7 +71,7 @@ def test_drawn_queries_are_answered_as_over_the_oracle(
 ) -> None:
     with pytest.MonkeyPatch.context() as patch, closing(make_store()) as store:
         patch.setattr(bounded, "MOST_JOINED", joined)
-        for module in (facts, many):
+        for module in (facts, late, many):
             patch.setattr(module, "MOST_WHOLE", whole)
         oracle = OracleStore()
         home.into(oracle)

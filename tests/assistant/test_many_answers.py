@@ -8,13 +8,14 @@ from typing import Any
 
 import pytest
 from hypothesis import HealthCheck, Phase, given, settings
+from hypothesis import strategies as st
 
 from assistant.asking import ask, ask_query, store_now
 from d3a.answer import Answer
-from d3a.answering import facts, many
+from d3a.answering import facts, late, many
 from d3a.store import open_store
 from d3a.store.base import Batch, Region, Store
-from grammar.forms import FormalQuery
+from grammar.forms import Ask, FormalQuery, ObjectTerm, Relation, TimeSlice
 from tests.worlds import drawn, scaled
 from tests.worlds.made import NOW, Home
 from tests.worlds.oracle import OracleStore
@@ -61,6 +62,16 @@ SAID = (
     "Is the cup usually in the kitchen or the den?",
     "Did you see a cup and a book?",
     "Is there a zebra in the kitchen?",
+    "How many cups were together?",
+    "How many things were together yesterday?",
+    "How many umbrellas were together?",
+    "How often was the cup with the book?",
+    "How often was the cup with a thing yesterday?",
+    "How often was the umbrella with the couch?",
+    "How long was the cup with the book?",
+    "How long was the book with the bottle yesterday?",
+    "How many cups were with a book?",
+    "How many things were with a cup?",
 )
 DEN = Region("den", ((1.0, 1.0), (9.0, 2.0), (8.0, 9.0), (4.0, 4.0)))
 """A room that is no box."""
@@ -88,7 +99,7 @@ def told(answer: Answer) -> dict[str, Any]:
 def read_as(monkeypatch: pytest.MonkeyPatch, whole: int) -> None:
     """Have so many sightings read whole at most, and nothing known from before."""
     facts.forget()
-    for module in (facts, many):
+    for module in (facts, late, many):
         monkeypatch.setattr(module, "MOST_WHOLE", whole)
 
 
@@ -120,6 +131,55 @@ def test_drawn_queries_have_the_answers_of_records(home: Home, query: FormalQuer
             read_as(patch, whole)
             answers.append(told(ask_query(store, query, now=NOW, limit=500)))
     assert answers[1] == answers[0]
+
+
+@given(
+    home=drawn.homes(),
+    ask=st.sampled_from(("count", "how_long", "how_often")),
+    words=st.lists(st.sampled_from(drawn.WORDS), min_size=1, max_size=2),
+    time=st.none() | drawn.slices(),
+)
+@settings(
+    max_examples=60,
+    deadline=None,
+    phases=[Phase.explicit, Phase.reuse, Phase.generate],
+    suppress_health_check=list(HealthCheck),
+)
+def test_what_was_together_is_counted_as_of_records(
+    home: Home, ask: Ask, words: list[str], time: TimeSlice | None
+) -> None:
+    store = OracleStore()
+    home.into(store)
+    terms = tuple(ObjectTerm(word, word, var=var) for word, var in zip(words, "xy", strict=False))
+    query = FormalQuery("drawn", "Q2", ask, terms, Relation("together"), time=time)
+    answers = []
+    with pytest.MonkeyPatch.context() as patch:
+        for whole in (100_000, 0):
+            read_as(patch, whole)
+            answers.append(told(ask_query(store, query, now=NOW, limit=500)))
+    assert answers[1] == answers[0]
+
+
+@pytest.mark.parametrize(
+    "said",
+    [
+        "How many things were together?",
+        "How many things were with a cup?",
+        "How often was the cup with a thing?",
+        "How long was a thing with the cup?",
+    ],
+)
+def test_what_was_together_is_counted_without_reading_all_sightings(
+    store: Store, said: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    now = store_now(store, "last", lambda: NOW)
+    read_as(monkeypatch, 0)
+    monkeypatch.setattr(facts, "FEW_OBJECTS", 0)
+    monkeypatch.setattr(type(store), "sightings", None)
+    answer = ask(store, said, now=now, limit=2)
+    assert answer.status == "found"
+    assert answer.truncated
+    assert (answer.value or 0) > 2
 
 
 def test_what_the_limit_of_the_store_split_is_told_as_one(monkeypatch: pytest.MonkeyPatch) -> None:

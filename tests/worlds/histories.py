@@ -223,7 +223,8 @@ areas = st.none() | st.tuples(reals, reals, reals, reals).map(lambda v: Area(*v)
 
 def placed(positions: Positions) -> list[Any]:
     """Where stays are as columns, as what can be compared: NaN equals nothing, -0.0 is 0.0."""
-    numbers = (positions.of, positions.place, positions.x, positions.y, positions.variance)
+    at = (positions.x, positions.y, positions.z)
+    numbers = (positions.of, positions.place, *at, positions.variance)
     sites = [positions.sites[n] for n in positions.site.tolist()]
     return [positions.ids, *([repr(n) for n in (each + 0).tolist()] for each in numbers), sites]
 
