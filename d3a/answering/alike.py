@@ -32,14 +32,20 @@ class Alike:
         self._of = {name: c.record.category for name, c in table.candidates.items()}
         kinds = {self._of[name] for name in names}
         seen = [s for s in before if self._of.get(s.object_id) in kinds]
+        self._ids = table.ids
         self._unsure = {name for name, c in table.candidates.items() if c.record.tentative}
         self._newest, self._seen = newest_of(seen), seen
         self._run, self._is_whole = run, var not in run.newest_alone
 
     @cached_property
     def _spans(self) -> Spans:
-        """When they were seen, where each object's newest sighting was found and no other."""
-        return self._run.facts.spans(sorted(self._newest), None, None)
+        """When they were seen, where each object's newest sighting was found and no other.
+
+        Of all of the variable, which other questions about it have read as well.
+        """
+        every = self._run.facts.spans(self._ids, None, None)
+        known = np.array([name in self._newest for name in every.ids], dtype=np.bool_)
+        return every if known.all() else every.chosen(known[every.of])
 
     @cached_property
     def _shown(self) -> Mapping[str, set[int]] | columns.Shown:
@@ -84,12 +90,15 @@ class Alike:
 
         By their ends and ids, the last first.
         """
+        own: set[int] | None = None
         for end_ms, other in self._last.get(self._of[name], ()):
             if end_ms <= at_ms:
                 return
             newest = self._newest[other]
-            if newest.start_ms > at_ms and self._shown[name].isdisjoint(self._shown[other]):
-                yield newest
+            if newest.start_ms > at_ms:
+                own = self._shown[name] if own is None else own
+                if own.isdisjoint(self._shown[other]):
+                    yield newest
 
 
 def first_of(sightings: Iterable[Sighting]) -> dict[str, Sighting]:

@@ -6,12 +6,12 @@ A process that asks one store many questions reads these once for as long as nob
 from __future__ import annotations
 
 import weakref
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from datetime import datetime
 from functools import lru_cache
 from operator import is_not
-from typing import Any, TypeVar, cast
+from typing import Any, cast
 
 import numpy as np
 
@@ -19,7 +19,7 @@ from d3a.answering.attributes import Looks
 from d3a.answering.landmarks import Landmarks, is_landmark_word, landmarks, usual_grounds
 from d3a.answering.match import Candidate, Lexicon, candidates, rungs
 from d3a.answering.moments import Found, in_slice, joined
-from d3a.answering.revision import Revision
+from d3a.answering.revision import Revision, by_object
 from d3a.answering.spots import Spots
 from d3a.colours import HISTOGRAM_SIZE, Palette, histograms, learn
 from d3a.parameters import Parameters, parameters_of
@@ -47,7 +47,6 @@ PALETTE_OBJECTS = 1_000
 """What boxes hold together is told by so many of them as well as by all."""
 FEW_OBJECTS = 2_000
 """In a home of so few objects, what is large is looked for under every category."""
-_Seen = TypeVar("_Seen", Sighting, StayRecord)
 _Worth = Mapping[str, float]
 
 
@@ -69,14 +68,6 @@ def forget() -> None:
     """Forget what was read of any store: to measure a question that reads everything anew."""
     _known.cache_clear()
     _learned.cache_clear()
-
-
-def _by_object(ids: Sequence[str], records: Iterable[_Seen]) -> dict[str, list[_Seen]]:
-    """Return the records of each of these objects, also of those that have none."""
-    found: dict[str, list[_Seen]] = {name: [] for name in ids}
-    for record in records:
-        found[record.object_id].append(record)
-    return found
 
 
 class Facts:
@@ -196,7 +187,7 @@ class Facts:
         known = self._known.stays.several(ids)
         unknown = [name for name in ids if name not in known]
         if unknown:
-            for name, read in _by_object(unknown, self.store.stays(object_ids=unknown)).items():
+            for name, read in by_object(unknown, self.store.stays(object_ids=unknown)).items():
                 known[name] = read
                 self._known.stays.put(name, read, len(read))
         return {(s.object_id, s.place): s for name in ids for s in known[name]}
@@ -211,7 +202,7 @@ class Facts:
         if whole or self._has_few_objects():
             return self.stays(sorted({sighting.object_id for sighting in sightings}))
         keys = sorted({(sighting.object_id, sighting.place) for sighting in sightings})
-        known = self._known.room_for_places(len(keys))
+        known = self._known.room_for_places(keys)
         unknown = [key for key in keys if key not in known]
         for stay in self.store.stays_at(unknown) if unknown else ():
             known[stay.object_id, stay.place] = stay
@@ -247,6 +238,14 @@ class Facts:
         if start_ms is None and end_ms is None and is_whole(found, limit):
             self._keep_sightings(ids, found)
         return found
+
+    def last_of(self, ids: Sequence[str]) -> list[Sighting]:
+        """Return each object's last sighting, by object_id; kept for the next question."""
+        found = self._known.last.get(tuple(ids), None)
+        if found is None:
+            found = self.store.edges(ids, "last")
+            self._known.last.put(tuple(ids), found, len(found))
+        return found.copy()
 
     def count_seen(self, ids: Sequence[str], start_ms: int | None, last_ms: int | None) -> int:
         """Count the objects with a sighting that touches the closed [start, last]."""
@@ -306,7 +305,7 @@ class Facts:
         """Keep the sightings of objects, all that there are; False where there is no room."""
         room = self._known.keeps(len(found))
         if room:
-            self._known.sightings |= _by_object(ids, found)
+            self._known.sightings |= by_object(ids, found)
         return room
 
     def sightings(
@@ -326,7 +325,7 @@ class Facts:
             read = self.store.sightings(object_ids=ids, start_ms=start_ms, end_ms=last)
             return [s for s in joined(read) if in_slice(s, start_ms, end_ms)]
         unknown = [name for name in ids if name not in known]
-        fresh = _by_object(unknown, self.store.sightings(object_ids=unknown) if unknown else ())
+        fresh = by_object(unknown, self.store.sightings(object_ids=unknown) if unknown else ())
         parts = (fresh[name] if name in fresh else known[name] for name in ids)
         found = joined(s for part in parts for s in part if in_slice(s, start_ms, end_ms))
         if self._known.keeps(sum(map(len, fresh.values()))):

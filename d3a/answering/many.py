@@ -51,7 +51,7 @@ def find_many(run: Run, step: FindSightings) -> bool:
         return False
     run.many.add(step.var)
     if is_there or (KeepMissing in kept and place is None):
-        table.sightings = run.store.edges(ids, "last")
+        table.sightings = run.facts.last_of(ids)
         run.newest_alone.add(step.var)
         return True
     moved = kept.get(KeepMoved)

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, TypeVar
 
 from d3a.answering.attributes import Looks
 from d3a.answering.kept import Kept
@@ -41,6 +41,7 @@ MOST_SPANS = 500_000
 """Their times and places alone take 32 bytes each."""
 MOST_PLACED = 250_000
 """And where stays are 48."""
+_Seen = TypeVar("_Seen", Sighting, StayRecord)
 _Asked = tuple[str, ...] | None
 _Noun = tuple[str, str, Precision | None]
 _Meant = tuple[FindObjects, tuple[tuple[str, float], ...], float]
@@ -48,6 +49,14 @@ _Counted = tuple[tuple[str, ...], int | None, int | None]
 _Timed = tuple[tuple[str, ...], int | None, int | None, Area | None]
 _Candidates = tuple[list[ObjectRecord], list[Candidate]]
 _Pixels = tuple[Looks | None, bool]
+
+
+def by_object(ids: Sequence[str], records: Iterable[_Seen]) -> dict[str, list[_Seen]]:
+    """Return the records of each of these objects, also of those that have none."""
+    found: dict[str, list[_Seen]] = {name: [] for name in ids}
+    for record in records:
+        found[record.object_id].append(record)
+    return found
 
 
 @dataclass(slots=True)
@@ -79,14 +88,17 @@ class Revision:
     joined: Kept[tuple[str, ...], list[Sighting]] = field(
         default_factory=lambda: Kept(MOST_SIGHTINGS)
     )
+    last: Kept[tuple[str, ...], list[Sighting]] = field(
+        default_factory=lambda: Kept(MOST_SIGHTINGS)
+    )
     spans: Kept[_Timed, Spans] = field(default_factory=lambda: Kept(MOST_SPANS))
     positions: Kept[tuple[str, ...], Positions] = field(default_factory=lambda: Kept(MOST_PLACED))
     kept: int = 0
     crowded: bool = False
 
-    def room_for_places(self, number: int) -> dict[StayKey, StayRecord]:
-        """Return the stays kept one by one, none where so many more would be too many."""
-        if len(self.places) + number > MOST_STAYS:
+    def room_for_places(self, keys: Sequence[StayKey]) -> dict[StayKey, StayRecord]:
+        """Return the stays kept one by one, none where those of the keys would be too many more."""
+        if len(self.places.keys() | keys) > MOST_STAYS:
             self.places = {}  # whoever still reads the old ones has them
         return self.places
 

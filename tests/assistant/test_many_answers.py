@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import replace
 from datetime import datetime, timedelta
 from typing import Any
@@ -14,7 +15,7 @@ from assistant.asking import ask, ask_query, store_now
 from d3a.answer import Answer
 from d3a.answering import facts, late, many
 from d3a.store import open_store
-from d3a.store.base import Batch, Region, Store
+from d3a.store.base import Batch, NativeQuery, Region, Store
 from grammar.forms import Ask, FormalQuery, ObjectTerm, Relation, TimeSlice
 from tests.worlds import drawn, scaled
 from tests.worlds.made import NOW, Home
@@ -180,6 +181,23 @@ def test_what_was_together_is_counted_without_reading_all_sightings(
     assert answer.status == "found"
     assert answer.truncated
     assert (answer.value or 0) > 2
+
+
+def test_what_was_seen_is_read_once_for_all_rooms(
+    store: Store, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    now = store_now(store, "last", lambda: NOW)
+    read_as(monkeypatch, 0)
+    monkeypatch.setattr(facts, "FEW_OBJECTS", 0)
+    known: list[NativeQuery] = []
+    store.tracing(known.append)
+    answer = ask(store, "What is in each room?", now=now)
+    store.tracing(None)
+    assert answer.status == "found"
+    reading = ("FROM sighting", "FROM stc", "CROSS JOIN sighting", "CROSS JOIN stc")
+    texts = [one.text for one in known if any(part in one.text for part in reading)]
+    asked = Counter(text for text in texts if "LIMIT :limit" not in text)  # whether they are many
+    assert {text: number for text, number in asked.items() if number > 1} == {}
 
 
 def test_what_the_limit_of_the_store_split_is_told_as_one(monkeypatch: pytest.MonkeyPatch) -> None:
