@@ -27,6 +27,7 @@ from assistant.reply import sentence
 from assistant.rooms import EVERYTHING, everything_words, in_each_room, told_by_room
 from assistant.several import one_by_one, told_of_each
 from assistant.spots import of_the_spot, on_a_spot, told_as_place, without_itself
+from assistant.telling_apart import with_colours
 from assistant.tense import gone_by_now, is_no_more, planned
 from assistant.untaught import doubt_words, doubted, plan_of_the_unnamed
 from assistant.whose import whose_words
@@ -287,6 +288,7 @@ def _said(answer: Answer, query: FormalQuery, facts: Facts, now: datetime) -> An
     answer, query = without_itself(answer, query), as_heard(query, facts)
     if answer.query is not None:
         answer = replace(answer, query=as_heard(answer.query, facts))
+    answer = with_colours(answer, query, facts)
     told = everything_words(answer, query) or whose_words(answer, query, facts)
     told = told or sentence(answer, now=now)
     more = of_the_spot(query, facts), of_its_number(answer, query), of_its_clause(answer, query)

@@ -13,13 +13,17 @@ from assistant.phrases import (
     heads_of,
     is_room,
     kind_of,
+    likely_of,
+    newest_of,
     numbered,
     seen_when,
     term_of,
     the_place,
+    there_words,
     where_words,
 )
 from assistant.said import said_many
+from assistant.telling_apart import colour_of
 from assistant.wording import FAIRLY_SURE
 from d3a.answer import Answer, RankedKeyframe
 from grammar.forms import ANYTHING, FormalQuery
@@ -33,11 +37,12 @@ def moved_words(answer: Answer, query: FormalQuery, now: datetime) -> str:
     once, anywhere = _each_once(answer), replace(query, place=None, outside=False, or_places=())
     sure = [k for k in once if k.score >= FAIRLY_SURE]
     if len(once) == 1 and term_of(query).category != ANYTHING:
-        return _one_moved(once[0], anywhere, now)
+        return _one_moved(answer, newest_of(answer), anywhere, now)
     told = []
     for keyframe in (sure or once)[:_LISTED]:
         where = where_words(keyframe, anywhere) or "at a place that has no name"
-        told.append(f"the {kind_of(keyframe)}, {where}, {when(keyframe.first, now)}")
+        said = " ".join([*colour_of(answer, keyframe.object_id).split(), kind_of(keyframe)])
+        told.append(f"the {said}, {where}, {when(keyframe.first, now)}")
     number = min(len(sure), max(answer.least, 1)) or answer.count
     things, condition = sentence_case(counted(number, "thing")), condition_words(answer, query)
     if query.relation is not None and condition:  # the row may be where it went
@@ -55,21 +60,30 @@ def moved_words(answer: Answer, query: FormalQuery, now: datetime) -> str:
     return f"{said}{among}: {'; '.join(told)}.{more}"
 
 
-def _one_moved(keyframe: RankedKeyframe, query: FormalQuery, now: datetime) -> str:
+def _one_moved(answer: Answer, keyframe: RankedKeyframe, query: FormalQuery, now: datetime) -> str:
     """Return that the one thing that was asked about was at another place when seen again."""
     term = term_of(query)
     many, several = said_many(query, term), not is_many(term.word)
     if many and several and term.owner is None:  # which cups moved: one did
-        many, thing = False, article(described(term))
+        colour = colour_of(answer, keyframe.object_id).split()
+        many, thing = False, article(" ".join([*colour, described(term)]))
     else:
         thing = definite(term, numbered(query, term))
     where = where_words(keyframe, query) or "at a place that has no name"
     seen = f"{where}, {when(keyframe.first, now)}"
+    pronoun = "them" if many else "it"
+    before = ""
+    if (was := answer.otherwise) is not None:
+        there = there_words(was, query)
+        before = f" Before that I saw {pronoun} {when(was.end, now)}{there}."
+    moves = len(likely_of(answer))
+    if moves > 1:
+        before += f" That is the last of {counted(moves, 'move')} that I know of."
     if keyframe.score < FAIRLY_SURE:
-        return f"{sentence_case(thing)} may have moved: I saw {'them' if many else 'it'} {seen}."
+        return f"{sentence_case(thing)} may have moved: I saw {pronoun} {seen}.{before}"
     asked = query.text.casefold().split()[:1] not in (["when"], ["which"], ["what"], ["how"])
     yes = "Yes. " * asked
-    return f"{yes}{sentence_case(thing)} had moved when I saw {'them' if many else 'it'} {seen}."
+    return f"{yes}{sentence_case(thing)} had moved when I saw {pronoun} {seen}.{before}"
 
 
 def missing_words(answer: Answer, query: FormalQuery, now: datetime) -> str:

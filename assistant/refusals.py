@@ -200,7 +200,7 @@ def _not_any_more(answer: Answer, query: FormalQuery, now: datetime) -> str:
     thing = _none_of(answer, query, term)
     if term.category == ANYTHING:
         thing = f"{article(kind_of(other))}{condition_words(answer, query)}"
-    elif query.ask == "whether" and not term.owner:
+    elif (query.ask == "whether" or term != term_of(query)) and not term.owner:
         thing = definite(term, numbered(query, term, answer.unjudged))
     there = there_words(other, query)
     told = f"{opening}I last saw {thing} {when(other.end, now)}{there}."

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable
-from dataclasses import replace
 from datetime import datetime
 
 from assistant.amounts import amount_words
@@ -21,7 +20,6 @@ from assistant.english import (
     article,
     clock,
     counted,
-    counted_range,
     day_of,
     listed,
     number_word,
@@ -30,6 +28,7 @@ from assistant.english import (
     when,
 )
 from assistant.forced import as_judged, not_judged
+from assistant.kinds_told import of_kind, sort_of
 from assistant.lasting import how_long_words, since_words
 from assistant.phrases import (
     definite,
@@ -64,7 +63,7 @@ from d3a.answering.points import edge_of
 from d3a.colours import is_colour
 from d3a.model import Position
 from grammar import vocabulary
-from grammar.forms import ANYTHING, Ask, FormalQuery, ObjectTerm
+from grammar.forms import Ask, FormalQuery, ObjectTerm
 from grammar.tense import chooses_a_sighting
 
 _SPOTS = 3
@@ -318,34 +317,26 @@ def _what(answer: Answer, query: FormalQuery, now: datetime) -> str:
     if chosen or (query.select == "last" and not somewhere):
         return _at_the_edge(answer, query, now)  # what is last somewhere is what is there
     sure = [k for k in heads if k.score >= NOT_SURE] or heads  # the rest stands in the table
-    seen = {k.object_id: kind_of(k) for k in sorted(sure, key=lambda k: -k.score)}
+    seen = {k.object_id: sort_of(answer, k) for k in sorted(sure, key=lambda k: -k.score)}
     seen = dict([*seen.items()][: answer.count])  # what is doubtful is listed, and not counted
     kinds = Counter(seen.values()).most_common()
-    certain = {kind_of(keyframe) for keyframe in heads if is_sure(keyframe)}
+    certain = {sort_of(answer, keyframe) for keyframe in heads if is_sure(keyframe)}
     kinds.sort(key=lambda pair: pair[0] not in certain and bool(certain))
-    things = [_of_kind(answer, query, kind, number) for kind, number in kinds[:8]]
+    things = [of_kind(answer, query, sort, number) for sort, number in kinds[:8]]
     if certain:  # where nothing is, that is said of all
-        doubted = [kind not in certain for kind, _ in kinds]
+        doubted = [sort not in certain for sort, _ in kinds]
         things = ["perhaps " * doubt + thing for doubt, thing in zip(doubted, things, strict=False)]
     if len(kinds) > len(things) or answer.count > len({k.object_id for k in heads}):
         things.append("other things")
     condition = condition_words(answer, query)
     if query.select == "last":
         newest = f"{', the newest' * (len(seen) > 1)} {seen_when(newest_of(answer), now)}"
-        return f"I last saw {listed(things)}{condition}{newest}.{_doubted(answer)}"
+        told = f"I last saw {listed(things)}{condition}{newest}."
+        if (other := answer.otherwise) is not None:
+            maybe = f"I saw {article(kind_of(other))}, maybe the same, {when(other.end, now)}"
+            return f"I cannot be sure. {told} {maybe}{there_words(other, query)}."
+        return told + _doubted(answer)
     return f"I saw {listed(things)}{condition}, {last_words(answer, query, now)}."
-
-
-def _of_kind(answer: Answer, query: FormalQuery, kind: str, number: int) -> str:
-    """Return so many things of a kind at most, and at least what must be different ones."""
-    least = sum(n for category, n in answer.kinds if vocabulary.canonical(category) == kind)
-    words = kind
-    term = term_of(query)
-    if term.category == ANYTHING:  # what it is not goes without saying
-        term = replace(term, without=(), other_than=(), not_owner=None)
-    if kinds_of_broad(answer, query) or term.attributes or term.without or term.other_than:
-        words = described(term, answer.unjudged, noun=kind)  # each is as it was asked for
-    return counted_range(least or number, number, words)
 
 
 def _doubted(answer: Answer) -> str:

@@ -119,6 +119,7 @@ class Answer:
     denied: of how many things people said that they are not the owner's who is asked about, so
     that they were left out; precision: the rung of the matching ladder that was forced.
     alike: how many objects the first noun and its looks mean, wherever and whenever they were seen.
+    colours: of things of one kind that are listed, by id, the colour that each looked.
     named_alone: the things that a name alone chose for the first object, as people taught it.
     elapsed_ms: parse, retrieve, rank, total.
     """
@@ -146,6 +147,7 @@ class Answer:
     doubted: tuple[str, ...] = ()
     denied: int = 0
     alike: int = 0
+    colours: tuple[tuple[str, str], ...] = ()
     named_alone: tuple[str, ...] = ()
     precision: str | None = None
     truncated: bool = False

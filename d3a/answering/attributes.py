@@ -89,16 +89,19 @@ class Looks:
         return cls(rows, Appearances.of(matrix[held], palette(), views))
 
 
-def seen_colours(looks: Looks | None) -> tuple[str, ...]:
-    """Return the basic colours that the first object rather looked than not, the likeliest first.
+def seen_colours(looks: Looks | None) -> dict[int, tuple[str, ...]]:
+    """Return the basic colours that objects rather looked than not, by row, the likeliest first.
 
-    Empty where none is likely enough, or it has no histogram.
+    What has no histogram, and what looked like none likely enough, is left out.
     """
-    if looks is None or 0 not in looks.rows:
-        return ()
-    chances = looks.of_rows.chances[0]  # rows are in order
-    likely = np.flatnonzero(chances >= LEAST_ODDS * (1 - chances))
-    return tuple(BASIC[term] for term in likely[np.argsort(-chances[likely])].tolist())
+    if looks is None:
+        return {}
+    told: dict[int, tuple[str, ...]] = {}
+    for row, chances in zip(looks.rows.tolist(), looks.of_rows.chances, strict=True):
+        likely = np.flatnonzero(chances >= LEAST_ODDS * (1 - chances))
+        if len(likely):
+            told[row] = tuple(BASIC[term] for term in likely[np.argsort(-chances[likely])].tolist())
+    return told
 
 
 @dataclass(frozen=True, slots=True)

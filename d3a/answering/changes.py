@@ -23,6 +23,8 @@ LEAST_STAY_MS = 1_000
 """A look in passing still says that the thing was there: it counts as this long."""
 MOST_MOVES = 500
 """Changes of place that are told apart at most, the newest."""
+COIN = 0.5
+"""How sure it is that one thing was at two stays of an object that nothing links."""
 LEAST_LEFT = 0.5
 """A thing went missing in a slice where that is more likely than not."""
 
@@ -57,14 +59,17 @@ def by_object(sightings: Sequence[Sighting]) -> dict[str, list[Sighting]]:
 def moved(run: Run, step: KeepMoved) -> list[Moment]:
     """Return the first sighting after each change of place within the slice.
 
-    The association links an object's stays and says how sure it is (`moved_from`); a change
-    without such a link has the chance of a coin. What was last seen before the slice may have
+    The association links an object's stays and says how sure it is (`moved_from`): a change is as
+    sure as the links between its two stays; without any it has the chance of a coin. What was last
+    seen before the slice may have
     moved before it: as likely as the time unseen lies outside.
     Of an asked room or relation: what came into it or left it, or moved within.
     """
     found, when = run.found[step.var], Slice.of(step)
     if step.var in run.spans:
-        return [_move(found, when, *pair) for pair in _newest_moves(run, step, when)]
+        pairs = _newest_moves(run, step, when)
+        run.came_from = {(after.stay, after.start_ms): before for before, after in pairs}
+        return [_move(found, when, *pair) for pair in pairs]
     everywhere = run.before_place.get(step.var) or run.before_relation.get(step.var)
     out: list[Moment] = []
     inside = {s.stay for s in found.sightings}
@@ -72,21 +77,42 @@ def moved(run: Run, step: KeepMoved) -> list[Moment]:
         for before, after in changes_of_place(sightings):
             if when.holds(after.start_ms) and not inside.isdisjoint((before.stay, after.stay)):
                 out.append(_move(found, when, before, after))
+                run.came_from[after.stay, after.start_ms] = before
     return out
 
 
 def _move(found: Found, when: Slice, before: Sighting, after: Sighting) -> Moment:
     """Return the moment of a change of place, with how sure it is."""
-    stay = found.stays.get(after.stay)
-    linked = stay.moved_from if stay is not None else None
-    sure = linked[1] if linked is not None and linked[0] == before.place else 0.5
     share = _share_within(when, before.end_ms, after.start_ms)
     place = max(found.place.get(s.stay, 1.0) for s in (before, after))
     held = max(found.held.get(s.stay, 1.0) for s in (before, after))
     entry = entry_of(found, after)._replace(place=place, held=held)
-    sure = max(0.0, min(1.0, sure))
+    sure = max(0.0, min(1.0, _of_one_thing(found, before.stay, after.stay)))
     within = None if share == 1.0 else share
     return Moment((entry,), after.start_ms, after.end_ms, relation=sure, share=within)
+
+
+def _of_one_thing(found: Found, before: StayKey, after: StayKey) -> float:
+    """Return how sure it is that one thing was at two stays of an object, by the links.
+
+    What goes back and forth is linked but once: of a place that it came back to the links that
+    first led to both tell.
+    """
+    led = dict(_ancestors(found, before))
+    shared = (sure * led[place] for place, sure in _ancestors(found, after) if place in led)
+    return next(shared, COIN)
+
+
+def _ancestors(found: Found, key: StayKey) -> Iterator[tuple[int, float]]:
+    """Yield the places that a stay was linked to, with how sure all links to it are; first it."""
+    (name, place), sure, passed = key, 1.0, set[int]()
+    while place not in passed:
+        yield place, sure
+        passed.add(place)
+        stay = found.stays.get((name, place))
+        if stay is None or stay.moved_from is None:
+            return
+        place, sure = stay.moved_from[0], sure * stay.moved_from[1]
 
 
 def _newest_moves(run: Run, step: KeepMoved, when: Slice) -> list[tuple[Sighting, Sighting]]:

@@ -201,6 +201,7 @@ def _perhaps(run: Run, limit: int) -> tuple[RankedKeyframe, ...]:
     """
     told = run.perhaps[: max(limit, 1)]
     several = any(term.or_else for term in run.query.objects)
+    refused = {"refused": list(run.refused)} if run.refused else {}
     run.find_spots([one.moment.figure for one in told])
     return tuple(
         keyframe(
@@ -208,7 +209,7 @@ def _perhaps(run: Run, limit: int) -> tuple[RankedKeyframe, ...]:
             one.moment.figure,
             number,
             one.score,
-            why | {"refused": [*(why["attributes"] if several else run.refused)]},
+            why | ({"refused": [*why["attributes"]]} if several else refused),
         )
         for number, one in enumerate(told, 1)
         for why in one.why

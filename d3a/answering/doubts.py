@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from functools import cached_property
-from itertools import islice
+from itertools import chain, islice
 
 from d3a.answering.alike import Alike
 from d3a.answering.moments import Entry, Moment, single
@@ -42,12 +42,12 @@ class Doubts:
         """Return what is told as so still: of each figure its surest moment, of these the newest.
 
         What is doubted for what it stands beside is left out where anything is not; a list leaves
-        out what may be elsewhere by now, or has it told apart (`doubted`). Of a thing asked for,
-        but of a number, no more is told than is sure, and where nothing is, the newest that may
-        be it (`otherwise`).
+        out what may be elsewhere by now, and has it told apart (`doubted`). Of a thing asked for,
+        but of a number, no more is told than is sure, and where nothing is, here and in a list, the
+        newest that may be it (`otherwise`).
         """
         run = self._run
-        kept = list(self._kept)
+        kept, is_what = list(self._kept), run.query.ask == "what"
         is_list = run.term(self._var).category == ANYTHING
         if is_list:
             kept = [moment for moment in kept if not _any(self._turned_up(moment.figure))]
@@ -56,19 +56,33 @@ class Doubts:
         doubtful = {id(m) for m in kept if id(m) in beside or self._is_doubtful(m, is_list)}
         kept = _one_a_figure(kept, doubtful)
         unsure = [moment for moment in kept if id(moment) in doubtful]
-        if is_list:
-            run.doubted = unsure
-            return [moment for moment in kept if id(moment) not in doubtful] or kept
-        if kept and len(unsure) == len(kept):
-            doubts = [each for moment in unsure for each in self._of(moment.entries)]
-            var, best = max(doubts, key=lambda each: (each[1].end_ms, each[1].object_id))
-            run.otherwise = single(run.found[var], best)
-        elif run.query.ask not in ("count", "what") and run.term(self._var).quantity is None:
-            kept = [moment for moment in kept if id(moment) not in doubtful]
+        sure = [moment for moment in kept if id(moment) not in doubtful]
+        if is_list or is_what:
+            if sure:
+                run.doubted = unsure
+            elif unsure and is_what:
+                self._tell([max(unsure, key=lambda moment: moment.end_ms)])
+            return sure or kept
+        if unsure and not sure:
+            self._tell(unsure)
+        elif run.query.ask != "count" and run.term(self._var).quantity is None:
+            kept = sure
         return kept
 
+    def _tell(self, unsure: Sequence[Moment]) -> None:
+        """Note the newest of what may be a thing of these moments, seen elsewhere since."""
+        doubts = [each for moment in unsure for each in self._of(moment.entries)]
+        var, best = max(doubts, key=lambda each: (each[1].end_ms, each[1].object_id))
+        self._run.otherwise = single(self._run.found[var], best)
+
     def _is_doubtful(self, moment: Moment, is_list: bool) -> bool:
-        return _any(self._since(moment.figure) if is_list else self._of(moment.entries[:1]))
+        if is_list:
+            return _any(self._since(moment.figure))
+        if self._run.query.ask != "what":
+            return _any(self._of(moment.entries[:1]))
+        here = self._here[self._var]  # what may be another of the list is counted as one of it
+        other = (s for s in self._since(moment.figure) if s.object_id not in here)
+        return _any(chain(self._turned_up(moment.figure), other))
 
     def _of(self, entries: Sequence[Entry]) -> Iterator[Doubt]:
         """Yield what may be one of these and was seen elsewhere since: with it its newest."""

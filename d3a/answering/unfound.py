@@ -34,6 +34,8 @@ def explain_empty(run: Run, step: ExplainEmpty) -> None:
             run.looked_then = _looked_then(run, step)
         elif run.query.ask == "whether" and run.query.negated:
             _tell_elsewhere(run, step)
+        elif run.query.ask == "moved":
+            _tell_where_from(run, step.vars[0])
         return
     run.status = "not_found"
     best = run.ranked[0].moment if run.ranked else None
@@ -63,6 +65,17 @@ def _tell_elsewhere(run: Run, step: ExplainEmpty) -> None:
     shown = {e.sighting.stay for one in run.ranked for e in one.moment.entries}
     away = [s for s in sifted if s.stay not in shown]
     run.otherwise = _newest(run.found[var], away) if away else None
+
+
+def _tell_where_from(run: Run, var: str) -> None:
+    """Tell where the one thing that moved was before its newest move; of several each is a row."""
+    if len({name for one in run.ranked for name in one.moment.ids}) > 1:
+        return
+    least = max(one.score for one in run.ranked) * LEAST_OF_BEST
+    likely = [one.moment for one in run.ranked if one.score >= least]
+    seen = max(likely, key=lambda moment: moment.end_ms).figure.sighting
+    before = run.came_from.get((seen.stay, seen.start_ms))
+    run.otherwise = None if before is None else single(run.found[var], before)
 
 
 def _is_another_number(run: Run) -> bool:
@@ -144,7 +157,8 @@ def _tell_refused(run: Run, var: str) -> None:
     run.otherwise = run.perhaps[0].moment if run.perhaps else _newest(meant, newest)
     run.refused = (*term.attributes, *(f"not {word}" for word in term.without))
     if any(map(is_colour, merged_shades(term.attributes))) and not maybe and run.otherwise:
-        run.looked = seen_colours(run.facts.looks([run.otherwise.figure.candidate.record]))
+        told = seen_colours(run.facts.looks([run.otherwise.figure.candidate.record]))
+        run.looked = told.get(0, ())
 
 
 def _seen_apart(run: Run, step: ExplainEmpty, var: str) -> None:
@@ -174,7 +188,9 @@ def _seen_apart(run: Run, step: ExplainEmpty, var: str) -> None:
         alike.setdefault(kind, []).append(sighting)
     if len(set(things.values())) < len(seen) or any(map(may_be_one, alike.values())):
         run.apart = len({s.stay for s in inside})
-        run.otherwise = _newest(table, inside)
+        newest = {s.stay: s for s in sorted(inside, key=lambda s: s.end_ms)}
+        run.perhaps = rank([single(table, s) for s in newest.values()], "last", spread=False)
+        run.otherwise = run.perhaps[0].moment
     elif gone := [s for left in left_places(run, var) for s in left.sightings if s in inside]:
         run.reason, run.otherwise = "gone", _newest(table, gone)
 

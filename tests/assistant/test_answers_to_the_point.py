@@ -223,8 +223,13 @@ def test_a_thing_asked_about_is_told_as_moved_by_itself(home: Home) -> None:
     home.seen("key", 0, at=(1, 2, 1))
     home.seen("key", 100, 130, at=(6, 2, 1), place=1, moved_from=(0, 0.95))
     assert told(home, "Did the key move?") == (
-        "Yes. The key had moved when I saw it in the hall, today at 13:40, 5 hours ago."
+        "Yes. The key had moved when I saw it in the hall, today at 13:40, 5 hours ago. Before "
+        "that I saw it today at 12:00, 7 hours ago, in the kitchen."
     )
+    home.seen("key", 150, at=(1, 2, 1))  # back where it was: one link tells that it is one key
+    said = told(home, "Has the key been moved?")
+    assert said.startswith("Yes. The key had moved when I saw it in the kitchen, today at 14:30")
+    assert said.endswith("in the hall. That is the last of two moves that I know of.")
 
 
 def test_a_thing_in_two_places_at_turns_may_be_one(home: Home) -> None:

@@ -225,3 +225,44 @@ def test_a_misspelt_plural_is_told_in_the_plural(shelf: Home) -> None:
     shelf.thing("key", "key")
     shelf.seen("key", 0, 300, at=(2, 2, 1))
     assert "I last saw your keys there" in told(shelf, "Where are my kees?")
+
+
+def test_which_it_is_of_several_is_told_by_its_colour(home: Home) -> None:
+    assert told(home, "Which books are on the table?").startswith(
+        "I last saw a red book and a blue book on the table"
+    )
+    assert told(home, "Which book is in the hall?").startswith("I last saw a green book in the")
+    assert told(home, "Which green book is in the hall?").startswith("I last saw a green book in")
+    assert told(home, "Which cup is in the kitchen?").startswith("I last saw a cup in the kitchen")
+    home.thing("cup again", "cup", paint="red")  # never with the other: it may be the same
+    home.seen("cup again", 300, 310, at=(6, 2, 1))
+    assert told(home, "Which cup is in the hall?").startswith("I last saw a cup in the hall")
+
+
+def test_what_moved_of_several_is_told_by_its_colour(home: Home) -> None:
+    for name, x in (("one", 6.2), ("two", 6.6)):
+        home.seen(name, 40, 45, at=(x, 2, 0.8), place=1, moved_from=(0, 0.99))
+    said = told(home, "What moved?")
+    assert "the red book, in the hall" in said
+    assert "the blue book, in the hall" in said
+
+
+def test_a_list_of_what_may_all_be_elsewhere_by_now_says_so_once(home: Home) -> None:
+    home.thing("vase", "vase", paint="white")
+    home.seen("vase", 0, 10, at=(6, 2, 1))
+    assert told(home, "What vases are in the hall?").startswith("I last saw a vase in the hall")
+    home.thing("vase again", "vase", paint="white")
+    home.seen("vase again", 300, 310, at=(1, 2, 1))
+    assert told(home, "What vases are in the hall?") == (
+        "I cannot be sure. I last saw a vase in the hall today at 12:10, 7 hours ago. I saw a "
+        "vase, maybe the same, today at 17:10, 2 hours ago, in the kitchen, next to the table."
+    )
+
+
+def test_what_moved_by_several_ids_is_no_flat_no(home: Home) -> None:
+    home.thing("cup again", "cup", paint="red")
+    home.seen("cup again", 300, 310, at=(6, 2, 1))
+    answer = ask(home.into(OracleStore()), "Did the cup move?", now=NOW)
+    assert answer.answer.startswith("I saw a cup in two places. I cannot be sure that it was the")
+    assert [k.object_id for k in answer.perhaps] == ["cup again", "cup"]
+    assert [k["place"] for k in answer.to_json()["perhaps"]] == ["hall", "kitchen"]
