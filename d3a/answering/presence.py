@@ -17,6 +17,7 @@ from d3a.answering.doubts import Doubts
 from d3a.answering.likeness import at_newest_likeness
 from d3a.answering.many import spans_asked
 from d3a.answering.moments import Entry, Moment, entry_of, single
+from d3a.answering.places import holders_of
 from d3a.answering.run import Run
 from d3a.answering.standing import Timeline
 from d3a.answering.steps import KeepPresent
@@ -35,6 +36,9 @@ def keep_present(run: Run, step: KeepPresent) -> None:
     others = (s for var, found in run.found.items() if var != step.var for s in found.sightings)
     newest = newest_of([*others, *before])
     kept, gone = present(run.answering(step.var), newest)
+    together = {id(moment) for moment in _in_one_room(run, kept)}
+    gone += [moment for moment in kept if id(moment) not in together]
+    kept = [moment for moment in kept if id(moment) in together]
     for var in step.known:
         kept = at_newest_likeness(run, var, kept, newest, before if var == step.var else None)
     if not kept and step.var in run.newest_alone:
@@ -54,6 +58,26 @@ def keep_present(run: Run, step: KeepPresent) -> None:
         run.moments = kept
     else:
         table.sightings = [moment.figure.sighting for moment in kept]
+
+
+def _in_one_room(run: Run, moments: list[Moment]) -> list[Moment]:
+    """Return the moments without those of things together that lie in different rooms.
+
+    They were seen together, in a frame that shows one of them through a door. They are not.
+    """
+    relation, rooms = run.query.relation, run.facts.regions()
+    if relation is None or relation.kind != "together" or relation.negated or not rooms:
+        return moments
+    stays = {e.stay.key: e.stay for m in moments for e in m.entries if e.stay is not None}
+    holding = holders_of(rooms, [(stay.position, stay.site) for stay in stays.values()])
+    named = {key: {room.name for room in of} for key, of in zip(stays, holding, strict=True)}
+    out: list[Moment] = []
+    for moment in moments:
+        of = [named[e.stay.key] for e in moment.entries if e.stay is not None]
+        known = [names for names in of if names]  # what is in no room may be open to any
+        if not known or set[str].intersection(*known):
+            out.append(moment)
+    return out
 
 
 def _seen_later(run: Run, kept: Sequence[Moment], gone: Sequence[Moment]) -> list[Moment]:

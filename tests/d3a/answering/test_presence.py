@@ -233,3 +233,17 @@ def test_far_from_everything_a_distance_tells_the_place(home: Home) -> None:
     keyframe = run(home, where("ball")).keyframes[0]
     assert keyframe.near is None
     assert keyframe.beyond == ("table", 3.0)
+
+
+def test_what_a_frame_showed_through_a_door_is_not_together_now(home: Home) -> None:
+    home.thing("vase", "vase")
+    home.seen("vase", 10, 15, at=(7, 2, 1))
+    home.met("cup", "vase", 10, 15)
+    together = FormalQuery(
+        "?", "Q2", "whether", (CUP, ObjectTerm("vase")), Relation("together"), select="all"
+    )
+    assert run(home, together).status == "found"  # one frame showed both
+    now = run(home, replace(together, select="last"))
+    assert (now.status, now.reason) == ("not_found", "gone")
+    assert now.otherwise is not None
+    assert now.otherwise.place == "kitchen"
