@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from grammar import timespan
 from grammar.closed import LEADING, words_of
+from grammar.corrections import corrected
 from grammar.errors import QuestionError
 from grammar.forms import ANYTHING, FormalQuery, ObjectTerm
 from grammar.meaning import THING
@@ -23,6 +24,7 @@ _OPENINGS = (("i", "mean"), ("i", "meant"), ("it", "must", "be"), ("it", "should
 _BEING = words_of("is was are were")
 _PRONOUNS = words_of("it they he she that those this these")
 _ONES = words_of("one ones")
+_CLAUSES = tuple([subject] for subject in ("i", "we", "you", "he", "she", "they", "my", "our"))
 _LOOKS = frozenset(
     ("DET", "OWNER", "ATTR", "NOT_ATTR", "NOUN", "ONE", "PART", "OWNED", "_THAT_IS",
      "_THAT_IS_NOT", "_WITH_PART", "_WITHOUT_PART", "_MADE_OF", "_NOT_MADE_OF", "_EXCEPT")
@@ -41,21 +43,54 @@ def told_of(
     if not asked.objects:
         return None
     said = _meant(words)
+    texts = [w.text for w in said]
+    denied = next((i for i in range(2, len(texts)) if texts[i : i + 2] == [",", "not"]), 0)
+    if denied and _described(reading, said) is None:
+        said = said[:denied]  # the small one, not the double
     longer = _gone_on(reading, asked, question, said)
     if longer is None:
         term = _described(reading, said)
         more = _merged(asked, term, reading.lexicon) if term is not None else None
-        return (more, question) if more is not None else None
+        if more is not None:
+            return more, question
+        longer = _instead(reading, question, words, said)
     try:
-        found = reading.sentence(longer, None)
+        found = reading.sentence(longer, None) if longer else asked
     except QuestionError:
         return None
-    return (found, longer) if found.ask == asked.ask else None
+    return (found, longer) if longer and found.ask == asked.ask else None
+
+
+def _instead(
+    reading: Reading, question: list[Word], words: list[Word], said: list[Word]
+) -> list[Word]:
+    """Return the question with what is meant instead, or said of one as of its thing; else []."""
+    if tuple(w.text for w in words[:2]) in _OPENINGS:
+        return corrected([*question, *words], reading.lexicon)  # i meant the bowl
+    ones = narrows(said)
+    return [*question, replace(said[0], text=","), *said] if ones else []
 
 
 def is_bare(reading: Reading, words: list[Word]) -> bool:
     """Whether the words only name or describe a thing, and ask nothing by themselves."""
     return _described(reading, _meant(words)) is not None
+
+
+def narrows(words: list[Word]) -> bool:
+    """Whether the words tell which one is meant, whatever they say of it: not the double one.
+
+    What somebody did with it says nothing that is seen: the one i bought.
+    """
+    texts = [w.text for w in words]
+    one = next((i for i, text in enumerate(texts) if text in _ONES), 0)
+    told = one > 0 and (texts[0] in LEADING or texts[0] == "not") and _BEING.isdisjoint(texts)
+    return told and texts[one + 1 : one + 2] not in _CLAUSES
+
+
+def it_described(reading: Reading, it: ObjectTerm, words: list[Word]) -> ObjectTerm | None:
+    """Return what `it` means with what the words say of it: i had a jacket. The red one."""
+    term = _described(reading, _meant(words))
+    return _more(it, term, reading.lexicon) if term is not None else None
 
 
 def _meant(words: list[Word]) -> list[Word]:
@@ -117,12 +152,18 @@ def _described(reading: Reading, words: list[Word]) -> ObjectTerm | None:
 def _merged(asked: FormalQuery, term: ObjectTerm, lexicon: Lexicon) -> FormalQuery | None:
     """Return what was asked with its thing described further; None where another one is named."""
     thing, *others = asked.objects
+    more = _more(thing, term, lexicon)
+    return replace(asked, objects=(more, *others)) if more is not None else None
+
+
+def _more(thing: ObjectTerm, term: ObjectTerm, lexicon: Lexicon) -> ObjectTerm | None:
+    """Return a thing with what a term says of it; None where that names another one."""
     bare = replace(term, var=THING.var) == THING
     wider = (term.category, *lexicon.wider(term.category))
     if bare or (term.category != ANYTHING and thing.category not in wider):
         return None
     named = thing if term.category == ANYTHING else term
-    more = replace(
+    return replace(
         thing,
         category=named.category,
         word=named.word,
@@ -133,4 +174,3 @@ def _merged(asked: FormalQuery, term: ObjectTerm, lexicon: Lexicon) -> FormalQue
         or_else=term.or_else or thing.or_else,
         other_than=(*thing.other_than, *term.other_than),
     )
-    return replace(asked, objects=(more, *others))

@@ -43,7 +43,8 @@ def _told(words: list[Word]) -> list[list[Word]]:
     if words and texts[0] in QUESTION_STARTS and "," in texts:
         for i in range(3, len(texts) - 3):
             told = texts[i] == "," and texts[i + 1] in _THINGS and texts[i + 2] in _BEING
-            if told and not _asks_at(texts, i + 1):
+            denied = texts[i : i + 2] == [",", "not"] and texts[-1] in ("one", "ones")
+            if denied or (told and not _asks_at(texts, i + 1)):
                 return [words[:i], words[i + 1 :]]
     return [words]
 

@@ -84,6 +84,9 @@ def breaks(words: list[Word], k: int) -> bool:
     """Whether the open word at `k` starts a phrase of its own and goes on no noun."""
     known = phrases()
     text = words[k].text
+    counted = text.removesuffix("s") in _NOUNS_TOO and text != text.removesuffix("s")
+    if counted and [w.text for w in words[k + 1 : k + 2]] and words[k + 1].text in _OF_MANY:
+        return False  # how many mic stands have we got
     laid = [w.text for w in words[k : k + 2]] in _LAID
     if text in _NOUNS_TOO and not laid and not _verb_due(words, k):
         return False  # where is the glue stick, did you see my cake stand
@@ -103,6 +106,7 @@ def breaks(words: list[Word], k: int) -> bool:
 
 
 _NOUNS_TOO = words_of("stick set stand drop store park record view rest hide light stop")
+_OF_MANY = words_of("are were have did do")
 _LAID = (["set", "up"], ["set", "down"], ["set", "out"])
 _ACTING = words_of("do does did have has had can could")
 

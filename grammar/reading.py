@@ -94,19 +94,23 @@ class Reading:
         answer: FormalQuery | None = None
         failure: QuestionError = NotUnderstood(self.text, 0, "There is no question in it.")
         failed_question = False
-        question: list[Word] = []
+        said: list[Word] = []
         for words in sentences:
             asks = scope.asks(words)
             if answer is not None and _seeks_it(words):
                 continue
-            if question and not asks:
-                if answer is None and afterthought.is_bare(self, words):
-                    continue  # is the cup clean? the red one
-                more = answer and afterthought.told_of(self, answer, question, words)
+            if said and not asks:
+                more = afterthought.told_of(self, answer, said, words) if answer else None
                 if more:
-                    answer, question = more
+                    (answer, said), it = more, more[0].objects[0]
                     continue
-            question = words if asks else question
+                if answer is not None and afterthought.narrows(words):
+                    raise NotUnderstood(self.text, words[0].start, "I cannot tell which you mean.")
+                if answer is None and afterthought.is_bare(self, words):
+                    it = it and afterthought.it_described(self, it, words)
+                    if failed_question or it is not None:
+                        continue  # is the cup clean? the red one
+            said = words
             try:
                 told, answer = answer, self.sentence(words, it)
                 answer = _told_when(answer, told, words)

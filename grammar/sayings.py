@@ -79,3 +79,13 @@ def seeking(words: list[Word], i: int) -> int:
 
 _OTHERS = ("he", "she", "they")
 _AS_OF_ME = {"is": "am", "are": "am", "has": "have"}
+
+
+def to_be_told(words: list[Word], i: int) -> bool:
+    """Whether one wants to be told of what comes: (tell me) when you see my keys."""
+    texts = [w.text for w in words[i:]]
+    seen = texts[2:3] != [] and texts[2] in _SEEING and "last" not in texts and "first" not in texts
+    return seen and texts[0] in ("when", "whenever", "once") and texts[1] == "you"
+
+
+_SEEING = words_of("see find spot notice detect")

@@ -7,12 +7,19 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from grammar import calling, numbers, stutters, timespan
+from grammar import calling, numbers, stutters, timespan, whereabouts
 from grammar.closed import LEADING, is_open, words_of
 from grammar.corrections import HESITATING, corrected
 from grammar.nountags import KIN, PEOPLE
-from grammar.phrases import asks_at_start, phrases
-from grammar.sayings import AUXILIARIES, QUESTION_STARTS, QUESTION_WORDS, sections, seeking
+from grammar.phrases import asks_at_start, phrases, place_follows
+from grammar.sayings import (
+    AUXILIARIES,
+    QUESTION_STARTS,
+    QUESTION_WORDS,
+    sections,
+    seeking,
+    to_be_told,
+)
 from grammar.vocabulary import Lexicon
 from grammar.words import Word
 
@@ -31,7 +38,7 @@ def plain(words: list[Word], lexicon: Lexicon) -> list[Word]:
     words = stutters.without_stutters(words, lexicon)
     words = stutters.begun_anew(_opened(_searching(words)))
     words = calling.without_calls(_closed(_searching(_without_thought(words))), lexicon)
-    return _located(words)
+    return whereabouts.located(words)
 
 
 def _searching(words: list[Word]) -> list[Word]:
@@ -71,30 +78,6 @@ _THINKING = (("do", "you"), ("did", "you"), ("did", "i"), ("would", "you"))
 _THOUGHTS = words_of("think believe reckon guess suppose say tell")
 
 
-def _located(words: list[Word]) -> list[Word]:
-    """Read a thing's location as where it is: `my phone's location`, `wallet location`."""
-    texts = [w.text for w in words]
-    at = next((i for i, text in enumerate(texts) if text in _LOCATIONS), 0)
-    first = next((n for n in (2, 0) if tuple(texts[:n]) in _SHOWN), None)
-    if first is None or at - first < 1 or "of" in texts or not is_open(texts[at - 1]):
-        return words
-    if not AUXILIARIES.isdisjoint(texts[first:at]):
-        return words  # did it change position
-    times = timespan.find(texts[at + 1 :])
-    when = times and (times[0].first, times[-1].last) == (0, len(texts) - at - 1)
-    if at + 1 < len(texts) and not when:
-        return words
-    named = [*words[first : at - 1], replace(words[at - 1], text=texts[at - 1].removesuffix("'s"))]
-    asked = (replace(words[at], text=text) for text in ("where", "was" if when else "is"))
-    return [*asked, *named, *words[at + 1 :]]
-
-
-_LOCATIONS = ("location", "whereabouts", "position")
-
-
-_SHOWN = ((), ("what", "is"), ("give", "me"), ("show", "me"), ("tell", "me"), ("get", "me"))
-
-
 def _heard(words: list[Word]) -> list[Word]:
     """Return the words with a `where` that a recogniser spelled as it sounds."""
     sounds = len(words) > 2 and words[0].text in ("wear", "ware", "were", "we're")
@@ -128,15 +111,20 @@ _OWNING = PEOPLE - {"kid", "guest", "baby", "visitor"}
 
 
 def _short_of_is(words: list[Word]) -> list[Word]:
-    """Return the words with the 's of has or is told: where the cat's got to, where my bag's at."""
+    """Return the words with the 's of has or is told: where the cat's got to, where my bag's at.
+
+    Who owns something is no place: the pen's in the drawer.
+    """
+    verbal = not AUXILIARIES.isdisjoint(w.text for w in words)
     for i, word in enumerate(words[:-1]):
         if word.text[-2:] != "'s" or not is_open(word.text):
             continue
         after = [w.text for w in words[i + 1 :]]
-        if _ASKS_WHERE.isdisjoint(w.text for w in words[:i]):
-            return words
-        if after[0] in _GONE and (len(after) == 1 or after[1] in _GONE_TO):
-            verb = "is" if after[0] == "at" else "has"
+        asked = not _ASKS_WHERE.isdisjoint(w.text for w in words[:i])
+        gone = asked and after[0] in _GONE and (len(after) == 1 or after[1] in _GONE_TO)
+        placed = i and not verbal and len(after) > 1 and place_follows(words, i + 1)
+        if gone or placed:
+            verb = "is" if placed or after[0] == "at" else "has"
             thing = replace(word, text=word.text[:-2])
             return [*words[:i], thing, replace(word, text=verb), *words[i + 1 :]]
     return words
@@ -263,7 +251,7 @@ def _opened(words: list[Word]) -> list[Word]:
     i = 0
     while i < len(words):
         count = prefix.at(words, i)
-        if count and _clause_follows(words, i + count):
+        if count and _clause_follows(words, i + count) and not to_be_told(words, i + count):
             i += count
             if i < len(words) and words[i].text == "that":
                 i += 1

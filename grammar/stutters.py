@@ -19,7 +19,20 @@ def without_stutters(words: list[Word], lexicon: Lexicon) -> list[Word]:
     """Return the words with each thing said once, and once to its end."""
     if any(word.text == "," for word in words):  # most questions are said without a pause
         words = _placed_once(_named(_restarted(words)))
-    return _without_stutter(_without_false_starts(_without_dummy(words)), lexicon)
+    words = _without_false_starts(_without_dummy(words))
+    return _without_stutter(_looked_anew(words, lexicon), lexicon)
+
+
+def _looked_anew(words: list[Word], lexicon: Lexicon) -> list[Word]:
+    """Take out looks that are said again before any thing is: the blue the dark blue jacket."""
+    for i in range(1, len(words) - 3):
+        k = i + 1
+        while k < len(words) - 2 and words[k].text in lexicon.attributes:
+            k += 1
+        anew = k > i + 1 and words[k].text == words[i].text and words[i].text in LEADING
+        if anew and is_open(words[k + 1].text):
+            return [*words[:i], *words[k:]]
+    return words
 
 
 def _without_dummy(words: list[Word]) -> list[Word]:
@@ -49,6 +62,8 @@ def _told_after(words: list[Word]) -> list[Word]:
     if len(texts) > 4 and texts[0] in LEADING and texts[-3] == "where" and texts[-2] in _IT:
         return [*words[:-2], words[-1]]
     for i in range(2, len(texts) - 2):
+        if texts[i] == texts[0] and texts[0] in _BEING and texts[i + 1] in _IT:
+            return [*words[:i], *words[i + 2 :]]  # is my wallet is it on the desk
         owned = texts[i + 1] in ("my", "our") and is_open(texts[i + 2])
         if texts[i] in _IT and owned and texts[i - 1] in phrases().verbs:
             return [*words[:i], *words[i + 1 :]]
@@ -56,6 +71,7 @@ def _told_after(words: list[Word]) -> list[Word]:
 
 
 _IT = words_of("it they them")
+_BEING = ("is", "are", "was", "were")
 
 
 def _named(words: list[Word]) -> list[Word]:

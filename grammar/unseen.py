@@ -94,8 +94,14 @@ def _no_places(found: FormalQuery, said: list[str], lexicon: Lexicon) -> Iterato
     """Yield a word that names no place for things, and why."""
     on_it = found.relation is not None and found.relation.kind in ("on", "in")
     for term in found.objects[1:]:
+        plain = not (term.attributes or term.owner or term.where)
+        bare = plain and said[-1:] == [term.word] and found.ask == "whether"
         if term.word in scope.lists()["medium"] and on_it:
             yield said[-1], f"“{term.word}” is no place for things"
+        if bare and on_it and term.word in scope.lists()["predicate"] and said[-2] in _ON_OR_IN:
+            yield said[-1], _STATES  # is the lid on tight
+        if bare and on_it and term.word in _IN_ORDER:
+            yield said[-1], _STATES
         if term.quantity is not None and term.word in _MEASURES:
             yield said[-1], _STATES
     placed = found.relation is not None and found.objects
@@ -106,9 +112,11 @@ def _no_places(found: FormalQuery, said: list[str], lexicon: Lexicon) -> Iterato
 def _doings(found: FormalQuery, said: list[str], lexicon: Lexicon) -> Iterator[tuple[str, str]]:
     """Yield a word that asks what people do, or what became of a thing, and why not."""
     for first in found.objects[:1]:
+        if found.ask == "whether" and not _USING.isdisjoint(said):
+            yield said[-1], "It remembers things, not what became of them"
         if _acted(first, said, lexicon):
             yield said[-1], "It remembers things, not what became of them"
-        if _attending(found, said):
+        if _attending(found, said) or _came(found, said, lexicon):
             yield said[0], _PEOPLE
         if first.category == "person" and not _DWELLING.isdisjoint(said):
             yield said[-1], _PEOPLE
@@ -117,6 +125,10 @@ def _doings(found: FormalQuery, said: list[str], lexicon: Lexicon) -> Iterator[t
             yield said[-1], _PEOPLE
 
 
+_USING = words_of("use used using")
+_ON_OR_IN = ("on", "in")
+_IN_ORDER = words_of("place way order use danger shape condition trouble motion")
+"""What a thing may be in, and no place."""
 _MEASURES = words_of("degree percent celsius fahrenheit volt watt amp litre liter mph kmh psi bar")
 _DWELLING = words_of("live lives lived stay stays stayed work works worked sleep sleeps")
 _STATES = "It knows no states of things"
@@ -188,6 +200,13 @@ def _refuse_leftover_time(
             word = next((w for w in rest if w.text.startswith(head)), rest[-1])
             reason = f"I could not place “{text[word.start : word.end]}” in a time."
             raise NotUnderstood(text, word.start, reason, suggestions(rest, lexicon))
+
+
+def _came(found: FormalQuery, said: list[str], lexicon: Lexicon) -> bool:
+    """Whether it is asked if somebody came, a person by the ending: did the drummer show up."""
+    who = found.objects[0].word
+    ends = said[0] in ("did", "has", "have") and said[-2:] in (["show", "up"], ["turn", "up"])
+    return ends and who.endswith(("er", "or", "ist")) and lexicon.known_noun(who) is None
 
 
 def _attending(found: FormalQuery, said: list[str]) -> bool:
