@@ -4,13 +4,16 @@ A look is a view of `coverage`: all frames from nearly one viewpoint count once,
 a thing in one of them hides it in the next. In a look a place is found, or hidden by something
 nearer, or seen through (depth shows only what is behind it), or missed. A miss tells something
 where the thing was seen before from that same side; how much, is learned from how often things are
-found again.
+found again. Looks are judged a handful at a time, each by itself and in their order: to tell what
+they showed of all places costs as much for one as for eight.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterable
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -46,12 +49,30 @@ THROUGH_PRESENT, THROUGH_GONE = 0.08, 0.5
 is not (clutter, a patch as wide as the error), before any was looked at; worth so many looks."""
 THROUGH_LEAST, THROUGH_MOST = 0.3, 2.5
 """Bounds of the log-odds of one look that saw through a place."""
+TOGETHER_MOST, TOGETHER_MS = 8, 60_000
+"""So many looks are judged together at most, and those that ended so long ago."""
 
 
-Glance = tuple[tuple[Known, Place], bool, bool, Position, tuple[float, float]]
-"""What a look told of a thing at a place: whether it was in plain view in a frame, whether most
-such frames show what is behind it, from where it was last in plain view, and how many looks from
-near there were taken before, and found it."""
+Miss = tuple[tuple[Known, Place], bool, bool, Position, tuple[float, float]]
+"""What a look told of a thing that it did not find at a place: whether it was in plain view in a
+frame, whether most such frames show what is behind it, from where it was last in plain view, and
+how many looks from near there were taken before, and found it."""
+
+
+@dataclass(slots=True)
+class Look:
+    """What a look has found at which places, and from where last; end_ms: of its last frame."""
+
+    found: dict[Place, tuple[Known, Position | None]] = field(default_factory=dict)
+    end_ms: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class Judged:
+    """The things that a look missed, and those that it found, by number each."""
+
+    missed: list[Known]
+    found: list[Known]
 
 
 class Absence:
@@ -60,10 +81,11 @@ class Absence:
     def __init__(self, memory: Memory, parameters: Parameters) -> None:
         self._memory = memory
         self._parameters = parameters
-        self._found: dict[Place, tuple[Known, Position | None]] = {}
-        """What the current look has found at which places, and from where."""
+        self._looks = [Look()]
+        """The last of them goes on, the others wait to be judged."""
         self._glimpses = Glimpses(memory.positions, parameters)
-        self._end_ms = 0
+        self._remembered: list[tuple[Place, int]] = []
+        """What became of looks at places, and of their tables not yet."""
         self._refound, self._relooked = 0, 0.0
         self._present = [THROUGH_PRIOR * THROUGH_PRESENT, THROUGH_PRIOR]
         self._gone = [THROUGH_PRIOR * THROUGH_GONE, THROUGH_PRIOR]
@@ -76,85 +98,107 @@ class Absence:
 
         offset: how far the frame's pose is off the map of things.
         """
-        self._end_ms = scene.ref.time_ms
+        look = self._looks[-1]
+        look.end_ms = scene.ref.time_ms
         if scene.pose is None or scene.camera is None:
             for thing, place in found:
-                self._found[place] = thing, None
+                look.found[place] = thing, None
             return
         (x, y, z), (off_x, off_y, off_z) = scene.pose.position, offset.mean
         eye = x - off_x, y - off_y, z - off_z
         turn = axes(scene.pose)
         self.looked.watch(scene, eye, turn)
         for thing, place in found:
-            self._found[place] = thing, eye
+            look.found[place] = thing, eye
             if remember_side(place, eye) and place.row >= 0:
                 self._memory.positions.put_sides(place)
         self._glimpses.add(scene, eye, turn, trace(offset.covariance))
 
-    def found(self) -> list[Known]:
-        """Return the things that the current look has found, by number."""
-        found = {thing.number: thing for thing, _ in self._found.values()}
-        return [found[number] for number in sorted(found)]
+    def end_look(self) -> None:
+        """Let the next frame begin a look; the one that ended waits to be judged."""
+        self._looks.append(Look())
+        self._glimpses.end_look()
+        self.looked.end_look()
 
-    def end_look(self) -> list[Known]:
-        """Judge the look that ended; return the things that it missed.
+    def is_due(self, now_ms: int) -> bool:
+        """Say whether looks have waited long enough to be judged."""
+        waiting = len(self._looks) - 1
+        is_old = waiting > 0 and now_ms - self._looks[0].end_ms > TOGETHER_MS
+        return is_old or waiting >= TOGETHER_MOST
+
+    def judge(self) -> list[Judged]:
+        """Judge the looks that ended, and say what each missed and found.
 
         Updates evidence, chances and `last_absent_ms` of every place that was in view.
         """
-        found, missed = self._found, []
-        for (thing, place), is_plain, is_through, eye, near in self._told():
-            if place not in found:
-                missed.append(thing)
-                share = 1.0
-                if is_through:
-                    odds = self._through_odds()
-                else:
-                    odds = -math.log(1 - chance_from(place, *near, self._usual()))
-                if is_plain:
-                    share, place.missed_from = share_of_look(place.missed_from, eye, self._end_ms)
-                    self._remember(place, eye, share, found=False)
-                self._missed(thing, place, share * odds, share, is_plain, is_through)
-            elif is_plain and thing.seen > self._parameters.confirm_sightings:
+        looks, self._looks = self._looks[:-1], self._looks[-1:]
+        judged = []
+        for look, misses in zip(looks, self._misses(looks), strict=True):
+            for miss in misses:
+                self._miss(look, miss)
+            for place, (thing, eye) in look.found.items():
+                self._is_there(thing, place, eye)
+            found = {thing.number: thing for thing, _ in look.found.values()}
+            judged.append(
+                Judged([thing for (thing, _), *_ in misses], [found[n] for n in sorted(found)])
+            )
+        self._memory.positions.put_some_looks(self._remembered)
+        self._remembered.clear()
+        return judged
+
+    def _misses(self, looks: list[Look]) -> list[list[Miss]]:
+        """Return what each look told of what it should have shown, and did not, by thing and place.
+
+        It saw through it, or had it in plain view from a side that has shown it before.
+        """
+        misses: list[list[Miss]] = [[] for _ in looks]
+        of, rows, shown = self._glimpses.take()
+        if len(rows) == 0:
+            return misses
+        frames, hidden, through = shown.counts
+        positions, is_through = self._memory.positions, 2 * through > frames - hidden
+        owners = [positions.owners[row] for row in rows.tolist()]
+        by_look, plain, behind = of.tolist(), (frames > hidden).tolist(), is_through.tolist()
+        asked = self._not_found([looks[k] for k in by_look], owners, plain, behind)
+        rows, last = rows[asked], shown.last[:, asked]
+        tells = is_through[asked] | are_familiar(positions.sides(rows), last)
+        rows, last = rows[tells], last[:, tells]
+        near: list[list[float]] = looks_near(positions.looks(rows), last).T.tolist()
+        for k, (x, y, z), (before, those) in zip(
+            np.array(asked, dtype=np.intp)[tells].tolist(), last[:3].T.tolist(), near, strict=True
+        ):
+            miss = owners[k], plain[k], behind[k], (x, y, z), (before, those)
+            misses[by_look[k]].append(miss)
+        return misses
+
+    def _not_found(
+        self,
+        looks: list[Look],
+        owners: list[tuple[Known, Place]],
+        plain: list[bool],
+        behind: list[bool],
+    ) -> list[int]:
+        """Return which of the places that looks had in view these did not find; count the others.
+
+        What turned up after a look it could not find.
+        """
+        asked = []
+        for k, (look, (thing, place)) in enumerate(zip(looks, owners, strict=True)):
+            if place not in look.found:
+                if place.first_ms <= look.end_ms:
+                    asked.append(k)
+            elif plain[k] and thing.seen > self._parameters.confirm_sightings:
                 self._refound += 1
                 self._relooked += 1
-                self._present[0] += is_through
+                self._present[0] += behind[k]
                 self._present[1] += 1.0
-        for place, (thing, seen_from) in found.items():
-            self._is_there(thing, place, seen_from)
-        found.clear()
-        self.looked.end_look()
-        return missed
-
-    def _told(self) -> list[Glance]:
-        """Return what the look told of the places that it had in view, by thing and place.
-
-        Of those that it found, and of those that it should have shown: it saw through them, or had
-        them in plain view from a side that has shown them before.
-        """
-        rows, shown = self._glimpses.take()
-        if len(rows) == 0:
-            return []
-        frames, hidden, through = shown.counts
-        is_plain, is_through = frames > hidden, 2 * through > frames - hidden
-        positions, found = self._memory.positions, self._found
-        tells = is_through | are_familiar(positions.sides(rows), shown.last)
-        tells |= np.array([positions.owners[row][1] in found for row in rows.tolist()])
-        at = tells.nonzero()[0]
-        rows, last = rows[at], shown.last[:, at]
-        near: list[list[float]] = looks_near(positions.looks(rows), last).T.tolist()
-        parts = is_plain[at].tolist(), is_through[at].tolist(), last[:3].T.tolist()
-        return [
-            (positions.owners[row], plain, behind, (x, y, z), (looks, those))
-            for row, plain, behind, (x, y, z), (looks, those) in zip(
-                rows.tolist(), *parts, near, strict=True
-            )
-        ]
+        return asked
 
     def _remember(self, place: Place, eye: Position, share: float, found: bool) -> None:
         """Keep whether a look from somewhere found a thing."""
         at = remember_look(place, eye, share, found)
         if place.row >= 0:
-            self._memory.positions.put_look(place, at)
+            self._remembered.append((place, at))
 
     def _usual(self) -> float:
         """Return how likely a look finds a thing that is there, by all things."""
@@ -188,39 +232,35 @@ class Absence:
         if place.last_absent_ms is not None:
             place.last_absent_ms, thing.dirty = None, True
 
-    def _missed(
-        self,
-        thing: Known,
-        place: Place,
-        told: float,
-        share: float,
-        is_plain: bool,
-        is_through: bool,
-    ) -> None:
-        """Count a share of a miss, that told so much; enough of them say that the place is empty.
+    def _miss(self, look: Look, miss: Miss) -> None:
+        """Count a miss for as much as it tells; enough of them say that the place is empty.
 
         Where that is known already (its thing was moved, see `moves`), each says that it still is.
         """
-        was_empty = place.last_absent_ms is not None
+        (thing, place), is_plain, is_through, eye, near = miss
+        share, was_empty = 1.0, place.last_absent_ms is not None
+        if is_through:
+            told = self._through_odds()
+        else:
+            told = -math.log(1 - chance_from(place, *near, self._usual()))
+        if is_plain:
+            share, place.missed_from = share_of_look(place.missed_from, eye, look.end_ms)
+            self._remember(place, eye, share, found=False)
         if not was_empty and thing.seen > self._parameters.confirm_sightings:
             self._relooked += share
         elif was_empty and is_plain:
             self._gone[0] += is_through
             self._gone[1] += 1.0
-        place.evidence += told
+        place.evidence += share * told
         place.chances += share
         place.misses += 1
         place.throughs += is_through
-        gone = self._gone_odds(thing, place)
+        gone = place.evidence + left_before(thing, place, look.end_ms)
         self._expect(place, -math.log1p(math.exp(min(gone, GONE_MOST))))
         is_gone = thing.seen >= SURE_SEEN and gone >= self._parameters.absent_odds
         if was_empty or is_gone:
-            place.last_absent_ms = self._end_ms
+            place.last_absent_ms = look.end_ms
             thing.dirty = True
-
-    def _gone_odds(self, thing: Known, place: Place) -> float:
-        """Return the log-odds that a thing has left a place, by all looks in vain since."""
-        return place.evidence + left_before(thing, place, self._end_ms)
 
     def _expect(self, place: Place, there: float) -> None:
         """Note how likely a place's thing is found there by the next frames."""
@@ -229,19 +269,27 @@ class Absence:
             self._memory.positions.put_there(place)
 
     def forget(self, things: Iterable[Known]) -> None:
-        """Forget what the look showed of things that leave the memory."""
+        """Forget what the looks showed of things that leave the memory."""
         for thing in things:
-            for place in thing.places:
-                self._found.pop(place, None)
+            for look in self._looks:
+                for place in thing.places:
+                    look.found.pop(place, None)
             self._glimpses.forget(thing.number)
 
+    def became(self, lost: Place, place: Place, thing: Known) -> None:
+        """Note that what the look that goes on has found at a place is at a thing's place now."""
+        found = self._looks[-1].found
+        if lost in found:
+            _, eye = found.pop(lost)
+            found[place] = thing, eye
+
     def to_state(self) -> tuple[Json, Arrays]:
-        """Return the look that is going on as JSON, and its frames."""
+        """Return the looks that are not judged yet as JSON, and their frames."""
         camera, arrays = self._glimpses.to_state()
         record: Json = {
-            "end_ms": self._end_ms,
-            "found": [
-                [thing.number, place.number, eye] for place, (thing, eye) in self._found.items()
+            "looks": [
+                [look.end_ms, [[t.number, p.number, eye] for p, (t, eye) in look.found.items()]]
+                for look in self._looks
             ],
             "camera": camera,
             "again": [self._refound, self._relooked],
@@ -253,12 +301,19 @@ class Absence:
     def restore(self, record: Json, arrays: Arrays) -> None:
         """Go on where `to_state` was called; the memory is restored already."""
         self.looked.restore(arrays["looked"], record["looking"])
-        self._end_ms = record["end_ms"]
         self._refound, self._relooked = record["again"]
         self._present, self._gone = ([float(n) for n in each] for each in record["through"])
         if "waiting" not in arrays:  # an older checkpoint: what it tells of its last look is lost
             return
         self._glimpses.restore(record["camera"], arrays)
-        for number, place_number, eye in record["found"]:
-            thing = self._memory.things[number]
-            self._found[thing.place(place_number)] = thing, None if eye is None else tuple(eye)
+        # older checkpoints hold no look but the one that goes on
+        looks = record["looks"] if "looks" in record else [(record["end_ms"], record["found"])]
+        self._looks = [Look(self._found_of(found), end_ms) for end_ms, found in looks]
+
+    def _found_of(self, found: list[list[Any]]) -> dict[Place, tuple[Known, Position | None]]:
+        """Return what a look has found, from what `to_state` told of it."""
+        things = ((self._memory.things[n], number, eye) for n, number, eye in found)
+        return {
+            thing.place(number): (thing, None if eye is None else tuple(eye))
+            for thing, number, eye in things
+        }

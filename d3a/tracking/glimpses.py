@@ -1,13 +1,14 @@
-"""Default profile: which of the known places the frames of a look had in view, and what hid them.
+"""Default profile: which of the known places the frames of looks had in view, and what hid them.
 
-Frames without depth are judged together when the look ends, as one table of frames and places: a
-look is a handful of frames from nearly one viewpoint, and each table costs as much as a frame.
+Frames without depth are judged together, those of several looks as one table of frames and places:
+a look is a handful of frames from nearly one viewpoint, and each table costs as much as a frame.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import astuple, dataclass
+from itertools import islice
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,7 +37,7 @@ WAITING_MOST = 32
 
 @dataclass(frozen=True, slots=True)
 class Shown:
-    """What a look showed of k places, by thing and place.
+    """What a look, or several, showed of k places, by thing and place.
 
     keys: (k,), see `Positions.keys`. counts: (3, k), frames that had it in view, those of them in
     which something hides it, and those that show only what is behind it. last: (4, k), x y z of
@@ -62,24 +63,38 @@ class Shown:
             both.last[:, at[plain]] = part.last[:, plain]
         return both
 
+    @classmethod
+    def joined(cls, parts: Sequence[Shown]) -> Shown:
+        """Return what some showed, one after the other."""
+        return cls(
+            np.concatenate([each.keys for each in parts]),
+            np.concatenate([each.counts for each in parts], axis=1),
+            np.concatenate([each.last for each in parts], axis=1),
+        )
+
     def some(self, wanted: NDArray[np.bool_]) -> Shown:
         """Return what it showed of some places."""
         return Shown(self.keys[wanted], self.counts[:, wanted], self.last[:, wanted])
 
 
 NO_PLACES = np.empty(0, dtype=np.int64)
+NO_ROWS = np.empty(0, dtype=np.intp)
 
 
 class Glimpses:
-    """Collects what the frames of the current look show of the known places."""
+    """Collects what the frames of the latest looks show of the known places.
+
+    The last look goes on; the others have ended, and wait to be taken.
+    """
 
     def __init__(self, positions: Positions, parameters: Parameters) -> None:
         self._positions = positions
         self._parameters = parameters
-        self._waiting: list[_View] = []
-        """Frames that are not judged yet."""
-        self._shown: Shown | None = None
-        """What those showed that are judged."""
+        self._waiting: list[list[_View]] = [[]]
+        """Of each look the frames that are not judged yet, and how many these are together."""
+        self._count = 0
+        self._shown: list[Shown | None] = [None]
+        """Of each look what those showed that are judged."""
         self._camera: Camera | None = None
         """That of the frames that wait, which is mostly the next one's too."""
         self._frustum: Floats | None = None
@@ -95,66 +110,81 @@ class Glimpses:
         if camera is not self._camera and camera != self._camera:
             self._judge()
             self._camera, self._frustum = camera, None
-        if scene.depth is not None or len(self._waiting) == WAITING_MOST:
+        if scene.depth is not None or self._count == WAITING_MOST:
             self._judge()
-        self._waiting.append((*eye, error_m2, *into_camera(eye, turn)))
+        self._waiting[-1].append((*eye, error_m2, *into_camera(eye, turn)))
+        self._count += 1
         if scene.depth is not None:
             self._judge(scene.depth)
 
-    def take(self) -> tuple[Rows, Shown]:
-        """Return what the look showed of the places that are known still, with their rows."""
-        if self._shown is None:
-            return self._in_view()
-        self._judge()
-        shown, self._shown = self._shown, None
+    def end_look(self) -> None:
+        """Let the next frame begin a look."""
+        self._waiting.append([])
+        self._shown.append(None)
+
+    def take(self) -> tuple[Rows, Rows, Shown]:
+        """Return what the looks that ended showed of the places that are known still.
+
+        By look, thing and place: the look, counted from the first, and the row of each place.
+        """
+        waiting, self._waiting = self._waiting[:-1], self._waiting[-1:]
+        judged, self._shown = self._shown[:-1], self._shown[-1:]
+        self._count = len(self._waiting[0])
+        of, rows, shown = self._in_view(waiting)
+        if not any(judged):
+            return of, rows, shown
+        parts = [
+            shown.some(of == k) if each is None else each.then(shown.some(of == k))
+            for k, each in enumerate(judged)
+        ]
+        of = np.repeat(np.arange(len(parts)), [len(part.keys) for part in parts])
+        shown = Shown.joined(parts)
         rows = self._positions.rows_of(shown.keys)
         known = rows >= 0
-        return rows[known], shown.some(known)
+        return of[known], rows[known], shown.some(known)
 
     def forget(self, number: int) -> None:
-        """Forget what the look showed of a thing, by its number."""
-        if self._shown is not None:
-            self._shown = self._shown.some(self._shown.keys // MOST_PLACES != number)
+        """Forget what the looks showed of a thing, by its number."""
+        self._shown = [
+            each and each.some(each.keys // MOST_PLACES != number) for each in self._shown
+        ]
 
     def _judge(self, depth: Metres | None = None) -> None:
         """Judge the frames that wait; depth: of the only one."""
-        if not self._waiting:
+        if not self._count:
             return
-        _, shown = self._in_view(depth)
-        self._shown = shown if self._shown is None else self._shown.then(shown)
+        of, _, shown = self._in_view(self._waiting, depth)
+        self._waiting, self._count = [[] for _ in self._waiting], 0
+        for k in np.unique(of).tolist():
+            part, before = shown.some(of == k), self._shown[k]
+            self._shown[k] = part if before is None else before.then(part)
 
-    def _in_view(self, depth: Metres | None = None) -> tuple[Rows, Shown]:
-        """Return what the frames that wait show, with the rows of the places; none waits then."""
-        waiting, self._waiting = self._waiting, []
-        positions = self._positions
-        if not waiting or not positions.owners:
-            return np.empty(0, dtype=np.intp), Shown.nothing(NO_PLACES)
-        views = np.array(waiting)  # (frames, 20)
+    def _in_view(
+        self, waiting: list[list[_View]], depth: Metres | None = None
+    ) -> tuple[Rows, Rows, Shown]:
+        """Return what the frames of looks show; see `take`."""
+        positions, frames = self._positions, [view for look in waiting for view in look]
+        if not frames or not positions.owners:
+            return NO_ROWS, NO_ROWS, Shown.nothing(NO_PLACES)
+        views = np.array(frames)  # (frames, 20)
         into, limits = views[:, 4:].reshape(-1, 4, 4), 3 * SURE_M**2 - views[:, 3:4]
         inside = (self._view() @ into).reshape(-1, 4) @ positions.spots
         inside = inside.reshape(len(views), 6, -1)
         seen = np.logical_and.reduce(inside >= 0.0, axis=1)  # (frames, places), as what follows
         seen &= positions.spread_m2 <= limits
         rows = positions.in_order(np.logical_or.reduce(seen, axis=0))
+        of, columns, latest, times = _by_look(seen[:, rows], [len(look) for look in waiting])
+        rows = rows[columns]
         counts, last = np.zeros((3, len(rows))), np.empty((4, len(rows)))
-        if len(views) == 1:
-            counts[0] = 1.0
-            last[:3] = views[0, :3, None]
-            last[3] = inside[0, 4, rows]
-        else:
-            latest = np.zeros(len(rows), dtype=np.intp)
-            for k, shows in enumerate(seen[:, rows]):
-                latest[shows] = k
-                counts[0] += shows
-            last[:3] = views[latest, :3].T
-            last[3] = inside[latest, 4, rows]
-        last[3] += NEAREST_M
+        counts[0] = times
+        last[:3] = views[latest, :3].T
+        last[3] = inside[latest, 4, rows] + NEAREST_M
         if depth is not None and len(rows):
             spots, sigma_m2 = into[0] @ positions.spots[:, rows], positions.spread_m2[rows] / 3
             hidden, through = self._depths(depth, spots[1:], np.sqrt(sigma_m2 + views[0, 3] / 3))
             counts[1], counts[2] = hidden, through
             last[:, hidden] = np.nan
-        return rows, Shown(positions.keys(rows), counts, last)
+        return of, rows, Shown(positions.keys(rows), counts, last)
 
     def _view(self) -> Floats:
         if self._frustum is None:
@@ -186,11 +216,15 @@ class Glimpses:
     def to_state(self) -> tuple[list[float], Arrays]:
         """Return the numbers of the camera, none before any, and the frames as arrays."""
         camera = [] if self._camera is None else list(astuple(self._camera))
-        shown = self._shown or Shown.nothing(NO_PLACES)
+        shown = [each or Shown.nothing(NO_PLACES) for each in self._shown]
+        whole = Shown.joined(shown)
+        frames = [view for look in self._waiting for view in look]
         return camera, {
-            "waiting": np.array(self._waiting).reshape(-1, 20),
-            "shown_keys": shown.keys,
-            "shown": np.concatenate([shown.counts, shown.last]),
+            "waiting": np.array(frames).reshape(-1, 20),
+            "waiting_counts": np.array([len(look) for look in self._waiting]),
+            "shown_keys": whole.keys,
+            "shown": np.concatenate([whole.counts, whole.last]),
+            "shown_counts": np.array([len(each.keys) for each in shown]),
         }
 
     def restore(self, camera: list[float], arrays: Arrays) -> None:
@@ -198,6 +232,34 @@ class Glimpses:
         if camera:
             width, height, *lens = camera
             self._camera, self._frustum = Camera(int(width), int(height), *lens), None
-        self._waiting = [tuple(view) for view in arrays["waiting"].tolist()]
-        shown = arrays["shown"]
-        self._shown = Shown(arrays["shown_keys"], shown[:3], shown[3:]) if shown.size else None
+        frames, keys, shown = arrays["waiting"], arrays["shown_keys"], arrays["shown"]
+        # older checkpoints hold no look but the one that goes on
+        waiting = arrays.get("waiting_counts", np.array([len(frames)]))
+        counts = arrays.get("shown_counts", np.array([len(keys)]))
+        self._count = len(frames)
+        views = iter([tuple(view) for view in frames.tolist()])
+        self._waiting = [list(islice(views, count)) for count in waiting.tolist()]
+        self._shown, first = [], 0
+        for count in counts.tolist():
+            part = slice(first, first := first + count)
+            each = Shown(keys[part], shown[:3, part], shown[3:, part])
+            self._shown.append(each if count else None)
+
+
+def _by_look(
+    seen: NDArray[np.bool_], frames: Sequence[int]
+) -> tuple[Rows, Rows, Rows, NDArray[np.intp] | float]:
+    """Return which looks had which places in view, the last frame that did, and how many did.
+
+    seen: (n, k), of each frame, look by look; frames: how many each look has.
+    """
+    looks = np.array([k for k, count in enumerate(frames) if count])
+    if len(looks) == len(seen):  # the usual case: each frame is one
+        at, columns = seen.nonzero()
+        return looks[at], columns, at, 1.0
+    starts = np.cumsum([0, *(count for count in frames if count)])[:-1]
+    number = np.arange(1, len(seen) + 1)[:, None]
+    latest = np.maximum.reduceat(seen * number, starts, axis=0)
+    at, columns = latest.nonzero()
+    times = np.add.reduceat(seen, starts, axis=0, dtype=np.intp)
+    return looks[at], columns, latest[at, columns] - 1, times[at, columns]

@@ -8,6 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from d3a.model import Position
+from d3a.parameters import Parameters
 from d3a.sightings import Interval
 from d3a.store.base import TaughtName
 from d3a.tracking.likelihood import shares
@@ -114,3 +115,15 @@ class Known:
     def place(self, number: int) -> Place:
         """Return the place with this number."""
         return next(place for place in self.places if place.number == number)
+
+
+def goes_on(place: Place, old: Interval, now_ms: int, parameters: Parameters) -> bool:
+    """Say whether a place's interval goes on to a view: short, and after a short pause only.
+
+    Or after a longer one in which no look saw the thing gone.
+    """
+    pause_s = parameters.interval_gap_s
+    if place.last_absent_ms is None:
+        pause_s = max(pause_s, parameters.unbroken_gap_s)
+    is_short = now_ms - old.start_ms <= parameters.max_interval_s * 1000
+    return is_short and (now_ms - old.end_ms) / 1000 <= pause_s

@@ -40,14 +40,17 @@ class Evidence:
     neighbours: Neighbours
     parameters: Parameters
 
-    def likely(self, missed: list[Known], found: list[Known]) -> list[tuple[Known, list[Known]]]:
-        """Return what was missed with the found things that it likely is, the likeliest first.
+    def likely(
+        self, looks: list[tuple[list[Known], list[Known]]]
+    ) -> list[tuple[Known, list[Known]]]:
+        """Return what looks missed with the things they found that it likely is, likeliest first.
 
         By all but time, as the look has left them. Things with names, several places or no position
         are left alone, and so is what was seen beside the other.
         """
         likely: dict[int, tuple[Known, list[tuple[float, int, Known]]]] = {}
-        for odds, (one, other) in self._odds(self._near(missed, found)):
+        near = [pair for missed, found in looks for pair in self._near(missed, found)]
+        for odds, (one, other) in self._odds(list(dict.fromkeys(near))):
             if odds >= self.parameters.merge_odds:
                 likely.setdefault(one.number, (one, []))[1].append((-odds, other.number, other))
         return [(one, [other for *_, other in sorted(each)]) for one, each in likely.values()]

@@ -136,9 +136,11 @@ class Positions:
         """
         return np.asarray(self._looks[rows])
 
-    def put_look(self, place: Place, at: int) -> None:
-        """Take over one of the latest looks at a place."""
-        self._looks[place.row, :, at] = place.looks[at]
+    def put_some_looks(self, looks: Sequence[tuple[Place, int]]) -> None:
+        """Take over some of the latest looks at places: of each the place, and which it is."""
+        if looks:
+            rows, which = [place.row for place, _ in looks], [at for _, at in looks]
+            self._looks[rows, :, which] = [place.looks[at] for place, at in looks]
 
     def put_looks(self, place: Place) -> None:
         """Take over the latest looks at a place."""

@@ -23,11 +23,11 @@ from d3a.store.base import StayKey, TaughtName
 from d3a.symmetric import added, minus
 from d3a.tier1 import Thing, things
 from d3a.tier3 import Stored
-from d3a.tracking.absence import Absence
+from d3a.tracking.absence import Absence, Judged
 from d3a.tracking.depths import Doubts
 from d3a.tracking.encounters import Encounters
 from d3a.tracking.frame_offset import FrameOffset
-from d3a.tracking.known import Known, Place
+from d3a.tracking.known import Known, Place, goes_on
 from d3a.tracking.likelihood import CategoryModel
 from d3a.tracking.linking import apply_link
 from d3a.tracking.matching import Matcher
@@ -77,6 +77,8 @@ class TrackerPipeline:
     def observe(self, scene: Scene) -> None:
         """Take a frame through the tiers."""
         self._now_ms = scene.ref.time_ms
+        if self._absence.is_due(self._now_ms):
+            self._judge()
         self._matcher.offset.predict(scene.ref.time_ms, scene.pose)
         found = things(scene.detections, self._parameters)
         observed = Observed.of(found, self._is_histogram) if found else None
@@ -179,7 +181,7 @@ class TrackerPipeline:
     def _grow(self, place: Place, ref: FrameRef, detection: Detection, key: StayKey) -> None:
         """Extend the open interval, or close it and begin another."""
         old = place.open
-        if old is not None and self._goes_on(place, old, ref.time_ms):
+        if old is not None and goes_on(place, old, ref.time_ms, self._parameters):
             place.open = old.grown(ref, detection)
             return
         place.open = view = Interval.of(ref, detection)
@@ -189,18 +191,6 @@ class TrackerPipeline:
             place.open = replace(view, start_ms=min(old.end_ms + 1, view.end_ms))
         self._ledger.put_sighting(old.sighting(key))
 
-    def _goes_on(self, place: Place, old: Interval, now_ms: int) -> bool:
-        """Say whether an interval goes on to a view: short enough, and after a short pause only.
-
-        Or after a longer one in which no look saw the thing gone.
-        """
-        parameters = self._parameters
-        pause_s = parameters.interval_gap_s
-        if place.last_absent_ms is None:
-            pause_s = max(pause_s, parameters.unbroken_gap_s)
-        is_short = now_ms - old.start_ms <= parameters.max_interval_s * 1000
-        return is_short and (now_ms - old.end_ms) / 1000 <= pause_s
-
     def _meet(self, ref: FrameRef, seen: list[tuple[Known, Place]], found: list[Thing]) -> None:
         shown = [
             ((thing.object_id, place.number), each.detection)
@@ -209,26 +199,31 @@ class TrackerPipeline:
         self._encounters.add(ref, shown, self._ledger)
 
     def end_look(self) -> None:
-        """Judge the look that ended: what was missing, what expires, what was moved."""
-        found = self._absence.found()
-        missed = self._absence.end_look()
-        changed = {thing.number for thing in (*found, *missed)}
-        self._expire([*self._merge(missed, found), *self._doubted()])
+        """Let the next frame begin a look."""
+        self._absence.end_look()
+
+    def _judge(self) -> None:
+        """Judge the looks that ended: what was missing, what expires, what was moved."""
+        looks = self._absence.judge()
+        changed = {thing.number for look in looks for thing in (*look.found, *look.missed)}
+        self._expire([*self._merge(looks), *self._doubted()])
         self._link(changed)
 
-    def _merge(self, missed: list[Known], found: list[Known]) -> list[Known]:
+    def _merge(self, looks: list[Judged]) -> list[Known]:
         """Make one of what a look missed and what it found there; return what is still missed."""
-        for thing, each in self._evidence.likely(missed, found):
+        for thing, each in self._evidence.likely([(look.missed, look.found) for look in looks]):
             likely = [other for other in each if other.row >= 0]
             if thing.row < 0 or not likely:  # one of the found ones was it
                 continue
             self._write_some([thing, *likely])
             same = never_together(thing, likely, self._ledger)
             if same is not None and not self._must_stay(thing, same):
+                kept, gone = sorted((thing, same), key=lambda each: each.number)
+                self._absence.became(gone.places[0], kept.places[0], kept)
                 was, becomes = merge(thing, same, self._memory, self._ledger, self._parameters)
                 self._encounters.rename(was, becomes)
                 self._events.append(Became(entry_name(was), entry_name(becomes), "the same thing"))
-        return [thing for thing in missed if thing.row >= 0]
+        return [thing for look in looks for thing in look.missed if thing.row >= 0]
 
     def _doubted(self) -> list[Known]:
         """Return what depth spoke against when it was seen, and nobody saw again for long."""
@@ -256,6 +251,7 @@ class TrackerPipeline:
         told = self._fixed | self._ledger.named(sorted(over))
         gone = {name: thing for name, thing in over.items() if name not in told and not thing.names}
         self._encounters.forget(gone.keys())
+        self._absence.forget(gone.values())
         self._ledger.remove_objects(gone.keys())
         for name, thing in gone.items():
             entry = entry_name((name, thing.places[0].number))
@@ -280,6 +276,7 @@ class TrackerPipeline:
                 continue  # the old one was itself linked just now: the next look tells
             was = (link.new.object_id, link.new.places[0].number)
             self._write_some([link.new, link.old])
+            self._absence.became(link.new.places[0], link.new.places[0], link.old)
             became = apply_link(link, self._memory, self._ledger, self._parameters)
             self._encounters.rename(was, (link.old.object_id, link.old.places[-1].number))
             self._events.append(became)
@@ -335,6 +332,7 @@ class TrackerPipeline:
     def flush(self) -> None:
         """End a recording: everything is written, the memory is emptied."""
         self.end_look()
+        self._judge()
         self.write()
         self._recall.forget_all()
         self._matcher.offset = FrameOffset.unknown(self._parameters)

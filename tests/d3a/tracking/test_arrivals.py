@@ -168,6 +168,7 @@ def test_that_a_stray_is_not_seen_again_says_nothing(views: int, is_told: bool) 
     for hour in range(1, 40):
         absence.watch(scene(hour * HOUR_MS), [], offset)
         absence.end_look()
+        absence.judge()
     assert place.evidence > DEFAULT.absent_odds
     assert (place.last_absent_ms is not None) == is_told
 
@@ -182,4 +183,5 @@ def test_what_is_seen_across_a_hall_is_missed_across_it(away_m: float, is_told: 
     for hour in range(1, 12):
         absence.watch(scene(hour * HOUR_MS), [], offset)
         absence.end_look()
+        absence.judge()
     assert (place.last_absent_ms is not None) == is_told

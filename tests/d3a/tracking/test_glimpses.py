@@ -85,7 +85,9 @@ def _plainly(memory: Memory, scenes: list[Scene]) -> dict[int, tuple[int, tuple[
 
 
 def _by_number(memory: Memory, glimpses: Glimpses) -> dict[int, tuple[int, tuple[float, ...]]]:
-    rows, shown = glimpses.take()
+    glimpses.end_look()
+    of, rows, shown = glimpses.take()
+    assert not of.any()  # one look
     owners = [memory.positions.owners[row][0].number for row in rows.tolist()]
     assert owners == sorted(owners)
     assert memory.positions.rows_of(shown.keys).tolist() == rows.tolist()
@@ -116,6 +118,49 @@ def test_the_frames_of_a_look_show_what_each_shows(count: int) -> None:
     assert told
     _assert_same(told, _plainly(memory, scenes))
     assert _by_number(memory, glimpses) == {}  # the next look begins with nothing
+
+
+@pytest.mark.parametrize("is_stopped", [False, True])
+@pytest.mark.parametrize(
+    "frames",
+    [
+        [1, 1, 1, 1],
+        [2, 0, 1, 3],
+        [WAITING_MOST - 1, 0, 3, 2],  # the first two are judged while the third goes on
+    ],
+)
+def test_looks_that_are_taken_together_show_what_each_shows(
+    frames: list[int], is_stopped: bool
+) -> None:
+    """The last goes on, and is taken with the next ones; also where a checkpoint was between."""
+    rng = np.random.default_rng(sum(frames))
+    memory = _memory(rng)
+    looks = [[_scene(n, _pose(rng)) for n in range(count)] for count in frames]
+    glimpses = Glimpses(memory.positions, DEFAULT)
+    for look in looks[:-1]:
+        for scene in look:
+            _add(glimpses, scene)
+        glimpses.end_look()
+    *others, last = looks[-1]
+    for scene in others:
+        _add(glimpses, scene)
+    if is_stopped:
+        state, glimpses = glimpses.to_state(), Glimpses(memory.positions, DEFAULT)
+        glimpses.restore(*state)
+    of, rows, shown = glimpses.take()
+    owners = [memory.positions.owners[row][0].number for row in rows.tolist()]
+    assert memory.positions.rows_of(shown.keys).tolist() == rows.tolist()
+    for k, look in enumerate(looks[:-1]):
+        told = {
+            number: (int(times), tuple(where))
+            for at, number, times, where in zip(
+                of.tolist(), owners, shown.counts[0], shown.last.T, strict=True
+            )
+            if at == k
+        }
+        _assert_same(told, _plainly(memory, look))
+    _add(glimpses, last)
+    _assert_same(_by_number(memory, glimpses), _plainly(memory, looks[-1]))
 
 
 def test_a_checkpoint_in_the_middle_of_a_look_changes_nothing() -> None:
@@ -156,7 +201,8 @@ def test_frames_with_depth_say_what_hides_a_place() -> None:
     for n, metres in enumerate((1.0, 2.0, 4.0, 1.0)):
         depth = np.full((48, 64), metres, dtype=np.float32)
         glimpses.add(_scene(n, pose, depth=depth), (0.1 * n, 0.0, 0.0), axes(pose), 1e-4)
-    _, shown = glimpses.take()
+    glimpses.end_look()
+    _, _, shown = glimpses.take()
     assert shown.counts[:, 0].tolist() == [4.0, 2.0, 1.0]
     assert shown.last[:, 0] == pytest.approx([0.2, 0.0, 0.0, 2.0])  # of the last in plain view
 

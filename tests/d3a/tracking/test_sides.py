@@ -101,9 +101,12 @@ def test_the_table_of_a_memory_holds_the_latest_looks() -> None:
     place, beside = Place(0, 0, 0), Place(1, 0, 0)
     row = Row.of((0.0, 0.0, 1.0), (0.0, 0.0, 1.0), error, (0.0, 0.0), DEFAULT)
     positions.add([(thing, place, row), (thing, beside, row)])
-    for n in range(LOOKS_KEPT + 5):
-        eye = (float(n), 0.0, 1.0)
-        positions.put_look(beside, remember_look(beside, eye, 1.0, found=n % 3 == 0))
+    for first in range(0, LOOKS_KEPT + 5, 8):
+        latest = []
+        for n in range(first, min(first + 8, LOOKS_KEPT + 5)):
+            eye = (float(n), 0.0, 1.0)
+            latest.append((beside, remember_look(beside, eye, 1.0, found=n % 3 == 0)))
+        positions.put_some_looks(latest)
     positions.remove([place])  # the other one moves into its row
     one_by_one = positions.looks(np.array([beside.row]))
     assert sorted(one_by_one[0, 0].tolist()) == [float(n) for n in range(5, LOOKS_KEPT + 5)]
