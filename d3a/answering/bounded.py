@@ -36,7 +36,8 @@ MOST_JOINED = 10_000
 AS_GOOD = 0.9
 """Objects this near to the best in worth are as good: then the newer one comes first."""
 COUNTED = ("count", "how_long", "how_often")
-_SIFTING = (FilterPlace, FindEdge, JudgeAttributes, KeepOften, KeepPresent, KeepThen, KeepUsual)
+_SIFTING = (FilterPlace, FindEdge, KeepOften, KeepThen, KeepUsual)
+_UNREAD = ("same_place", "between")
 
 
 def find_bounded(run: Run, step: FindSightings) -> None:
@@ -91,23 +92,30 @@ def _reach(run: Run, *, oldest: bool) -> None:
 
 
 def joins_late(run: Run) -> bool:
-    """Whether what was together is counted over more sightings than are read whole.
+    """Whether what stood in a relation is counted over more sightings than are read whole.
 
-    Nothing else narrows it; of one kind, the most that were together at once.
+    No place narrows it: so what was together, and of one kind the most at once. What stood
+    otherwise is found by where it was, at any time.
     """
     joins = [step for step in run.steps if isinstance(step, Relate | Gather)]
     if len(joins) != 1 or run.rooms or any(isinstance(step, _SIFTING) for step in run.steps):
         return False
-    join = joins[0]
-    if join.kind != "together" or join.negated or run.query.ask not in COUNTED:
+    (join,) = joins
+    if join.negated or run.query.ask not in COUNTED:
         return False
+    slices = {var: slice_of(run, var) for var in join.vars}
     if isinstance(join, Gather):
         known = join.most and len(join.vars) == 1
     else:
         known = join.keep == "moments" and len(join.vars) == 2
+    if join.kind == "together":
+        judged = any(isinstance(step, JudgeAttributes | KeepPresent) for step in run.steps)
+        known = known and not judged
+    else:
+        known = known and join.kind not in _UNREAD and {*slices.values()} == {(None, None)}
     if not known or not all(run.found[var].candidates for var in join.vars):
         return False
-    return any(run.facts.are_many(run.found[var].ids, *slice_of(run, var)) for var in join.vars)
+    return any(run.facts.are_many(run.found[var].ids, *when) for var, when in slices.items())
 
 
 def slice_of(run: Run, var: str) -> tuple[int | None, int | None]:

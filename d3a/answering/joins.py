@@ -232,7 +232,7 @@ class Asked:
 
     def links(self, encounters: Sequence[Encounter]) -> list[Link]:
         """Return where figure and ground meet, and what stood at its places at one time."""
-        reach_m = _reach_m(self.kind, self.parameters)
+        reach_m = reach_of(self.kind, self.parameters)
         found = links(self.figure, self.ground, encounters, reach_m=reach_m, once=self.once)
         if self.kind not in STANDING | {"between"}:
             return found
@@ -328,7 +328,7 @@ def _of_the_same(found: Sequence[Link], beside: Sequence[Encounter]) -> list[Lin
     return out
 
 
-def _reach_m(kind: RelationKind, parameters: Parameters) -> float:
+def reach_of(kind: RelationKind, parameters: Parameters) -> float:
     """Return how far apart two things may be for the relation to be more likely than not."""
     match kind:
         case "together":

@@ -30,9 +30,9 @@ from d3a.store.base import Encounter, Sighting, Spans
 
 def tell_together(run: Run, step: Relate) -> bool:
     """Find when two things were together; False where they never were, or nothing tells it."""
-    one, other = (_side(run, var) for var in step.vars)
+    one, other = (side_of(run, var) for var in step.vars)
     figure, ground = (run.found[var] for var in step.vars)
-    encounters = _encounters(run, one, other)
+    encounters = encounters_of(run, one, other)
     found, held = _together(run, step, one, other, encounters)
     rows = likely(held)
     found, held = found.at(rows), held[rows]
@@ -54,8 +54,8 @@ def tell_together(run: Run, step: Relate) -> bool:
 def gather_most(run: Run, step: Gather) -> bool:
     """Find the most of one kind that were together at once; False where no two were."""
     (var,) = step.vars
-    table, side = run.found[var], _side(run, var)
-    encounters = _encounters(run, side, side)
+    table, side = run.found[var], side_of(run, var)
+    encounters = encounters_of(run, side, side)
     found, held = _together(run, step, side, side, encounters)
     dense = cores(found.at(likely(held)), len(side.places))
     for number, among in reversed([*enumerate(dense, 2)][step.numbers[0] - 2 :]):
@@ -70,18 +70,19 @@ def gather_most(run: Run, step: Gather) -> bool:
     return False
 
 
-def find_after_all(run: Run) -> bool:
-    """Find what was left to be joined as columns, and was not: False, to be told otherwise."""
+def find_after_all(run: Run) -> None:
+    """Find all that was left to be joined as columns, and was not."""
     for step in run.steps:
         if isinstance(step, FindSightings) and step.var in run.late:
             find_joined(run, step)
             table = run.found[step.var]
+            table.stood = None
             table.stays = run.facts.stays_of(table.sightings)
     run.late.clear()
-    return False
 
 
-def _side(run: Run, var: str) -> Side:
+def side_of(run: Run, var: str) -> Side:
+    """Return all that was seen of a variable's things, as columns."""
     ids = run.found[var].ids
     return Side.of(run.facts.spans(ids, *slice_of(run, var)), run.facts.positions(ids))
 
@@ -99,7 +100,7 @@ def _together(
     return found, together(one, other, found, run.parameters)
 
 
-def _encounters(run: Run, one: Side, other: Side) -> list[Encounter]:
+def encounters_of(run: Run, one: Side, other: Side) -> list[Encounter]:
     """Return the shared frames of two sides while both were seen."""
     if not len(one.spans) or not len(other.spans):
         return []

@@ -22,6 +22,15 @@ SPLIT_GAP_MS = 1
 """Intervals of one stay at most this far apart were split for the store's limit alone."""
 
 
+class Stood(NamedTuple):
+    """A thing at a place without being seen elsewhere, and what was seen of it then."""
+
+    stay: StayKey
+    start_ms: int
+    end_ms: int
+    seen: list[Sighting]
+
+
 @dataclass(slots=True)
 class Found:
     """What a variable of the query stands for so far; steps narrow it.
@@ -32,7 +41,8 @@ class Found:
     likely than not, to be told only beside others. gone: sightings that no longer held at
     the moment asked for.
     known: whether a category, a taught name or a detector's class knows the word. unjudged: a
-    condition of its own that was left out: of what is plastic nobody knows which cups are.
+    condition of its own that was left out: of what is plastic nobody knows which cups are. stood:
+    when its things stood where, if of all that was seen only what may be related was read.
     """
 
     candidates: dict[str, Candidate] = field(default_factory=dict)
@@ -46,6 +56,7 @@ class Found:
     doubtful: frozenset[str] = frozenset()
     gone: list[Sighting] = field(default_factory=list)
     elsewhere: list[Sighting] = field(default_factory=list)
+    stood: list[Stood] | None = None
 
     @property
     def ids(self) -> list[str]:

@@ -41,7 +41,7 @@ def keep_present(run: Run, step: KeepPresent) -> None:
     kept = [moment for moment in kept if id(moment) in together]
     for var in step.known:
         kept = at_newest_likeness(run, var, kept, newest, before if var == step.var else None)
-    if not kept and step.var in run.newest_alone:
+    if not kept and step.var in run.newest_alone and run.moments is None:
         gone += _left_before(run, step.var, newest)
     for moment in gone:
         _tell_gone(run, step.var, moment, newest)

@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Collection, Mapping, Sequence
 from itertools import combinations_with_replacement, count
 
+from d3a.answering.alike import newest_of
 from d3a.answering.bounded import finds_stays_late, keep_reached
 from d3a.answering.gathering import Ties, gathered, of_two_things, scattered
 from d3a.answering.joined import (
@@ -29,15 +30,40 @@ from d3a.answering.joins import (
 from d3a.answering.late import find_after_all, gather_most, tell_together
 from d3a.answering.linked import Link
 from d3a.answering.moments import Found, Moment, common_span, in_slice
+from d3a.answering.narrowed import find_narrowly
 from d3a.answering.run import Run, milliseconds
-from d3a.answering.steps import FindEdge, FindSightings, Gather, Relate
-from d3a.store.base import Encounter, Sighting, StayKey
+from d3a.answering.steps import FindEdge, FindSightings, Gather, KeepPresent, Relate
+from d3a.store.base import Encounter, Sighting, Spans, StayKey
 
 
 def relate_found(run: Run, step: Relate) -> None:
     """Join what was found for the variables of a step where its relation holds, or does not."""
-    if run.late and (tell_together(run, step) or find_after_all(run)):
-        return
+    if run.late:
+        if tell_together(run, step) if step.kind == "together" else _related_narrowly(run, step):
+            return
+        find_after_all(run)
+    _relate_read(run, step)
+
+
+def _related_narrowly(run: Run, step: Relate) -> bool:
+    """Join what may stand in the relation; False where none does: why not, all that is tells."""
+    find_narrowly(run, step)
+    _relate_read(run, step)
+    if not run.moments:
+        run.moments = None
+        return False
+    var = step.vars[0]
+    if any(isinstance(each, KeepPresent) for each in run.steps):
+        run.before_relation[var] = [*newest_of(run.found[var].sightings).values()]
+        run.newest_alone |= {*step.vars}
+    rows = [(*m.figure.sighting.stay, m.start_ms, m.end_ms) for m in run.moments]
+    so = [(name, start, end, place) for name, place, start, end in rows]
+    run.so[var] = Spans.of_rows(run.found[var].ids, so)
+    return True
+
+
+def _relate_read(run: Run, step: Relate) -> None:
+    """Join what was read for the variables of a step."""
     tables = [run.found[var] for var in step.vars]
     keep_reached(run, tables)
     figure, grounds = tables[0], tables[1:]
@@ -211,8 +237,10 @@ def gather(run: Run, step: Gather) -> None:
 
     What was together is told as so many; of the most that were together, as many as there were.
     """
-    if run.late and (gather_most(run, step) or find_after_all(run)):
-        return
+    if run.late:
+        if gather_most(run, step):
+            return
+        find_after_all(run)
     tables = [run.found[var] for var in step.vars]
     keep_reached(run, tables)
     run.moments = []

@@ -10,29 +10,19 @@ from __future__ import annotations
 from bisect import bisect_right
 from collections.abc import Container, Sequence
 from operator import attrgetter
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from d3a.answering.distinct import ROUND_GAP_MS
 from d3a.answering.linked import Link
-from d3a.answering.moments import Found, positions
+from d3a.answering.moments import Found, Stood, positions
 from d3a.answering.pairs import SAME_SPOT_M, Floats
 from d3a.store.base import Sighting, StayKey
 
 Rows = NDArray[np.intp]
 MOST_RUNS, MOST_STOOD = 1_000, 2_000
 """So many times at a place, and so many pairs of these, are looked at, the newest."""
-
-
-class _Run(NamedTuple):
-    """A thing at a place without being seen elsewhere, and what was seen of it then."""
-
-    stay: StayKey
-    start_ms: int
-    end_ms: int
-    seen: list[Sighting]
 
 
 def stood_together(
@@ -177,7 +167,7 @@ def within_reach(here: Floats, there: Floats, reach_m: float) -> tuple[Rows, Row
     return row[near], column[near]
 
 
-def _runs(found: Found, *, timeless: bool) -> list[_Run]:
+def _runs(found: Found, *, timeless: bool) -> list[Stood]:
     """Return when things were at places that are known, by id and time.
 
     From the first to the last time that a stay has; but where a thing was seen elsewhere before or
@@ -185,6 +175,8 @@ def _runs(found: Found, *, timeless: bool) -> list[_Run]:
     What was seen but once may be a mistake: of it nothing says that it stood anywhere.
     timeless: all of a stay is one run, of whatever was seen.
     """
+    if found.stood is not None and not timeless:
+        return found.stood
     of: dict[str, list[list[Sighting]]] = {}
     known = {n for n, one in found.candidates.items() if timeless or not one.record.tentative}
     every = sorted((*found.sightings, *found.elsewhere), key=_AT if timeless else BY_START)
@@ -196,7 +188,7 @@ def _runs(found: Found, *, timeless: bool) -> list[_Run]:
             runs[-1].append(sighting)
         else:
             runs.append([sighting])
-    out: list[_Run] = []
+    out: list[Stood] = []
     for _, runs in sorted(of.items()):
         for k, run in enumerate(runs):
             stay = found.stays.get(run[0].stay)
@@ -207,7 +199,7 @@ def _runs(found: Found, *, timeless: bool) -> list[_Run]:
                 begun = min(stay.first_ms, begun)
             if timeless or k == len(runs) - 1:
                 ended = max(stay.last_ms, ended)
-            out.append(_Run(stay.key, begun, ended, run))
+            out.append(Stood(stay.key, begun, ended, run))
     newest = sorted(range(len(out)), key=lambda k: -out[k].end_ms)[:MOST_RUNS]
     return [out[k] for k in sorted(newest)]
 
@@ -215,11 +207,11 @@ def _runs(found: Found, *, timeless: bool) -> list[_Run]:
 _AT = attrgetter("object_id", "place", "start_ms")
 
 
-def _places(found: Found, runs: list[_Run]) -> Floats:
+def _places(found: Found, runs: list[Stood]) -> Floats:
     return positions([found.stays[run.stay] for run in runs])
 
 
-def _spans(runs: list[_Run]) -> NDArray[np.int64]:
+def _spans(runs: list[Stood]) -> NDArray[np.int64]:
     spans = [(run.start_ms, run.end_ms) for run in runs]
     return np.array(spans, dtype=np.int64).reshape(-1, 2)
 
