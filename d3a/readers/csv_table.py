@@ -170,8 +170,7 @@ class CsvReader:
         }
 
     def _file(self, name: str | None) -> Path | None:
-        path = parsing.inside(self._folder, name)
-        return parsing.existing(path, self.skipped, str(name))
+        return parsing.picture(self._folder, name, self.skipped)
 
     def _pose(self, gathered: Gathered) -> Pose | None:
         if not any(f"pose_{name}" in gathered.row for name in POSE_FIELDS):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import difflib
 import json
 import math
+import os
 import unicodedata
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from datetime import datetime
@@ -28,6 +29,7 @@ BROKEN_LINE = "broken line"
 BROKEN_DETECTION = "broken detection"
 BROKEN_FRAME = "broken frame"
 MISSING_PICTURE = "missing picture"
+NO_FILE = "picture that is no file of the recording, not read"
 CLEANED = "control characters in a category, taken out"
 
 
@@ -194,23 +196,48 @@ def warn_unknown(
 
 
 def inside(folder: Path, name: Any) -> Path | None:
-    """Return the path of a file that a record names, None for null; it must stay in the folder."""
+    """Return the path of a file that a record names, None for null; it must stay in the folder.
+
+    A name cannot lead out of the recording, which may be a stranger's; a link that lies in it may:
+    whoever keeps the folder has put it there.
+    """
     if name is None:
         return None
     if not isinstance(name, str) or "\0" in name:
         raise BadInput(f"{name!r} is no file name")
-    path = folder / name
-    if not path.resolve().is_relative_to(folder.resolve()):
+    plain = Path(os.path.normpath(name))  # so "link/.." is the folder, not what is behind
+    leads_out = plain.is_absolute() or plain.parts[:1] == ("..",)
+    if leads_out and not (folder / plain).resolve().is_relative_to(folder.resolve()):
         raise BadInput(f"the file {clean_text(name)!r} is outside of the recording")
-    return path
+    return folder / plain
 
 
 def existing(path: Path | None, skipped: Skipped, where: str) -> Path | None:
     """Return the path where there is such a file; else count it and return None."""
-    if path is None or path.is_file():
+    if path is None or _is_file(path):
         return path
     skipped.add(MISSING_PICTURE, where)
     return None
+
+
+def _is_file(path: Path) -> bool:
+    try:
+        return path.is_file()
+    except OSError:  # a name longer than any file's
+        return False
+
+
+def picture(folder: Path, name: Any, skipped: Skipped) -> Path | None:
+    """Return the file of a picture that a record names, None for null.
+
+    One that cannot be is counted, and its frame goes on without.
+    """
+    try:
+        path = inside(folder, name)
+    except BadInput as error:
+        skipped.add(NO_FILE, str(error))
+        return None
+    return existing(path, skipped, clean_text(str(name)))
 
 
 class Rows:

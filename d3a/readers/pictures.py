@@ -110,12 +110,7 @@ class PicturesReader:
         paths = {name: picture for name, (_, picture) in frames.items()}
         posed, rows = self._beside.read(self._options, paths, self.skipped)
         for name, (time_ms, picture) in frames.items():
-            try:
-                path = parsing.inside(self._folder, picture)
-            except BadInput as error:
-                self.skipped.add(parsing.BROKEN_FRAME, f"{name} ({error})")
-                continue
-            path = parsing.existing(path, self.skipped, picture)
+            path = parsing.picture(self._folder, picture, self.skipped)
             yield Frame(
                 name=name,
                 time_ms=time_ms,

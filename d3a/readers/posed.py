@@ -118,18 +118,16 @@ class PosedReader:
         name = parsing.frame_name(record["frame"])
         seconds = parsing.number(record["seconds"], "seconds")
         start = 0.0 if seconds >= UNIX_FROM_S else EPOCH.timestamp()
-        picture = parsing.inside(self._folder, record["color"])
-        picture = parsing.existing(picture, self.skipped, record["color"])
+        picture = parsing.picture(self._folder, record["color"], self.skipped)
         if picture is not None and self._camera is None:
             self._camera = self._camera_of(picture)
-        depth = parsing.inside(self._folder, record.get("depth") or None)
         return Frame(
             name=name,
             time_ms=round((start + seconds) * 1000),
             pose=self._pose(record.get("pose") or None),
             camera=self._camera,
             image=picture,
-            depth=parsing.existing(depth, self.skipped, str(record.get("depth"))),
+            depth=parsing.picture(self._folder, record.get("depth") or None, self.skipped),
             detections=None if rows is None else rows.take(name),
         )
 
@@ -141,12 +139,12 @@ class PosedReader:
         return self._intrinsics(picture)
 
     def _pose(self, name: str | None) -> Pose | None:
-        path = parsing.inside(self._folder, name)
-        if path is None:
+        if name is None:
             return None
         try:
-            matrix = np.loadtxt(path)
-        except (ValueError, OSError):
+            path = parsing.inside(self._folder, name)
+            matrix = np.empty(0) if path is None else np.loadtxt(path)
+        except (BadInput, ValueError, OSError):
             matrix = np.empty(0)
         if matrix.shape != (4, 4) or not np.isfinite(matrix).all():
             self.skipped.add("broken pose", str(name))

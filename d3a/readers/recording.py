@@ -10,22 +10,21 @@ import json
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from d3a.floor_map import read_map
-from d3a.images import unit
 from d3a.model import BadInput, Camera, Detection, Frame, Json, Pose
 from d3a.readers import parsing
 from d3a.readers.base import Link, RecordingFacts, Regions, Skipped, Stream
 from d3a.readers.beside import line_count
+from d3a.readers.embeddings import EMBEDDINGS, EmbeddingFacts, Vectors
 
 FACTS = "recording.json"
 FRAMES = "frames.jsonl"
 DETECTIONS = "detections.jsonl"
-EMBEDDINGS = "embeddings.npy"
 SCHEMA = 1
 BROKEN_MAP = "broken map"
 BROKEN_EMBEDDING = "broken embedding, not used"
@@ -37,18 +36,6 @@ FRAME_KNOWN = frozenset(["frame", "time", "pose", "pose_covariance", "image", "d
 DETECTION_KNOWN = frozenset(
     {"frame", "category", "probability", "box", "position", "embedding", "covariance"}
 )
-
-
-class Vectors(Protocol):
-    """Embeddings by row: an array (n, dim), or a file of them that grows."""
-
-    def __len__(self) -> int:
-        """Return how many rows there are."""
-        ...
-
-    def __getitem__(self, row: int, /) -> NDArray[np.float32]:
-        """Return a row (dim,)."""
-        ...
 
 
 def looks_like(folder: Path) -> bool:
@@ -66,16 +53,14 @@ class RecordingReader:
         self.skipped, self._left_out = Skipped(), Skipped()
         self._record = self._read_facts()
         self._camera = _camera(self._record.get("camera"))
-        embedding = self._record.get("embedding")
-        if embedding is not None and not isinstance(embedding, dict):
-            raise BadInput(f"{FACTS}: embedding must be an object with name and dim, or null")
+        self._looks = EmbeddingFacts.of(self._record.get("embedding"), FACTS)
         self.facts = RecordingFacts(
             name=self._text("recording") or folder.resolve().name,
             site=self._text("site") or "",
             zone=parsing.zone_of(zone or self._text("zone")),
             frames=line_count(folder / FRAMES),
             classes=tuple(parsing.clean_text(str(c)) for c in self._record.get("classes") or ()),
-            embedding_model=str(embedding.get("name")) if embedding else None,
+            embedding_model=self._looks.name,
             now=self._now(),
             regions=_regions(self._record.get("regions") or ()),
             map=self._map(self._left_out),
@@ -142,7 +127,7 @@ class RecordingReader:
         found = [Stream.of(FRAMES, "frames listed", times)]
         if (self._folder / DETECTIONS).is_file():
             found.append(Stream(DETECTIONS, "detections", line_count(self._folder / DETECTIONS)))
-        embeddings = self._embeddings()
+        embeddings = self._looks.read(self._folder)
         if embeddings is not None:
             found.append(Stream(EMBEDDINGS, "embeddings", len(embeddings)))
         return found
@@ -154,17 +139,13 @@ class RecordingReader:
     def _frame(self, record: Json, rows: parsing.Rows | None) -> Frame:
         name = parsing.frame_name(record.get("frame"))
         time_ms = parsing.time_ms(record.get("time"))
-        paths = {}
-        for field in ("image", "depth"):
-            path = parsing.inside(self._folder, record.get(field))
-            paths[field] = parsing.existing(path, self.skipped, str(record.get(field)))
         return Frame(
             name=name,
             time_ms=time_ms,
             pose=self._pose(record, name),
             camera=self._camera,
-            image=paths["image"],
-            depth=paths["depth"],
+            image=parsing.picture(self._folder, record.get("image"), self.skipped),
+            depth=parsing.picture(self._folder, record.get("depth"), self.skipped),
             detections=None if rows is None else rows.take(name),
         )
 
@@ -193,7 +174,7 @@ class RecordingReader:
         if not path.is_file():
             return None
         rows = parsing.Rows()
-        embeddings = self._embeddings()
+        embeddings = self._looks.read(self._folder)
         for number, record in parsing.json_lines(path, self.skipped):
             where = f"{DETECTIONS}:{number + 1}"
             parsing.warn_unknown(record, DETECTION_KNOWN, DETECTIONS, self.skipped)
@@ -203,20 +184,6 @@ class RecordingReader:
             except BadInput as error:
                 self.skipped.add(parsing.BROKEN_DETECTION, f"{where} ({error})")
         return rows
-
-    def _embeddings(self) -> NDArray[np.float32] | None:
-        path = self._folder / EMBEDDINGS
-        if not path.is_file():
-            return None
-        try:
-            matrix = np.load(path, mmap_mode="r", allow_pickle=False)
-        except (OSError, ValueError) as error:
-            raise BadInput(f"{EMBEDDINGS} is not an array of numbers: {error}") from error
-        if matrix.ndim != 2 or matrix.dtype != np.float32:
-            raise BadInput(
-                f"{EMBEDDINGS} must be float32 (n, dim), not {matrix.dtype} {matrix.shape}"
-            )
-        return np.asarray(matrix)
 
     def _detection(
         self, number: int, record: Json, embeddings: Vectors | None, where: str
@@ -243,23 +210,10 @@ class RecordingReader:
     ) -> NDArray[np.float32] | None:
         """Return the embedding; a broken one is counted, and the detection goes on without."""
         try:
-            return _embedding(row, embeddings)
+            return self._looks.vector(row, embeddings)
         except BadInput as error:
             self.skipped.add(BROKEN_EMBEDDING, f"{where} ({error})")
             return None
-
-
-def _embedding(row: Any, embeddings: Vectors | None) -> NDArray[np.float32] | None:
-    if row is None:
-        return None
-    if embeddings is None:
-        raise BadInput(f"it names an embedding, and there is no {EMBEDDINGS}")
-    if isinstance(row, bool) or not isinstance(row, int) or not 0 <= row < len(embeddings):
-        raise BadInput(f"embedding {row!r} is no row of {EMBEDDINGS}")
-    vector = np.array(embeddings[row])
-    if not np.isfinite(vector).all() or not vector.any():
-        raise BadInput(f"embedding {row} is zero or not finite")
-    return unit(vector)
 
 
 def _camera(record: Any) -> Camera | None:

@@ -140,7 +140,7 @@ class TumReader:
         rows: parsing.Rows | None,
     ) -> Frame:
         name = parsing.frame_name(Path(listed.name).stem)
-        picture = self._existing(listed.name)
+        picture = parsing.picture(self._folder, listed.name, self.skipped)
         return Frame(
             name=name,
             time_ms=listed.time_ms,
@@ -151,9 +151,6 @@ class TumReader:
             detections=None if rows is None else rows.take(name),
             depth_scale=self._scale,
         )
-
-    def _existing(self, name: str) -> Path | None:
-        return parsing.existing(parsing.inside(self._folder, name), self.skipped, name)
 
     def _pose(self, listed: Listed, track: Track | None) -> Pose | None:
         if track is None:
@@ -175,7 +172,8 @@ class TumReader:
         if not near:
             self.skipped.add(NO_DEPTH, listed.where)
             return None
-        return self._existing(min(near, key=lambda each: abs(each.time_ms - listed.time_ms)).name)
+        nearest = min(near, key=lambda each: abs(each.time_ms - listed.time_ms))
+        return parsing.picture(self._folder, nearest.name, self.skipped)
 
     def streams(self) -> Sequence[Stream]:
         """Return the three lists with their times."""

@@ -14,6 +14,7 @@ from pathlib import Path
 from d3a.model import BadInput, Frame, Json
 from d3a.readers import parsing, recording
 from d3a.readers.base import Skipped
+from d3a.readers.embeddings import EMBEDDINGS
 from d3a.watch.patience import Patience
 from d3a.watch.pictures import is_whole
 from d3a.watch.tail import GrowingRows, Tail
@@ -53,7 +54,7 @@ class RecordingFollower(recording.RecordingReader):
         self._box_lines = Tail(self._folder / recording.DETECTIONS)
         self._held_lines: deque[tuple[int, str, float]] = deque()
         self._rows: parsing.Rows | None = None
-        self._vectors = GrowingRows(self._folder / recording.EMBEDDINGS)
+        self._vectors = GrowingRows(self._folder / EMBEDDINGS, self._looks.check)
         self._waiting: deque[_Waiting] = deque()
         self._index: dict[str, int] = {}
         self._given: set[str] = set()
@@ -139,7 +140,7 @@ class RecordingFollower(recording.RecordingReader):
             recording.DETECTIONS,
             self.skipped,
         )
-        vectors = self._vectors if (self._folder / recording.EMBEDDINGS).is_file() else None
+        vectors = self._vectors if (self._folder / EMBEDDINGS).is_file() else None
         try:
             detection = self._detection(number, record, vectors, where)
             frame = parsing.frame_name(record.get("frame"))

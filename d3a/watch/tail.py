@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -60,8 +61,10 @@ class GrowingRows:
     the process.
     """
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, check: Callable[[int], None]) -> None:
+        """check: raises BadInput for a number of numbers in a row that cannot be."""
         self._path = path
+        self._check = check
 
     def __len__(self) -> int:
         """Return how many rows lie there now; 0 for a file that is not there, or just begun."""
@@ -94,4 +97,5 @@ class GrowingRows:
             return None
         if len(shape) != 2 or kind != np.float32 or is_fortran or shape[1] == 0:
             raise BadInput(f"{self._path.name} must be float32 (n, dim), not {kind} {shape}")
+        self._check(int(shape[1]))
         return start, int(shape[1]), (size - start) // (int(shape[1]) * 4)

@@ -163,12 +163,12 @@ def test_each_broken_row_is_counted_and_the_rest_ingested(tmp_path: Path) -> Non
         BROKEN_PICTURE: 2,
         parsing.MISSING_PICTURE: 1,
         BROKEN_DEPTH: 1,
-        parsing.BROKEN_FRAME: 1,
+        parsing.NO_FILE: 1,
         BROKEN_POSE: 1,
         parsing.BROKEN_DETECTION: 6,
         OUTSIDE: 1,
     }
-    assert summary.frames == 7
+    assert summary.frames == 8
     assert store.check() == []
 
 

@@ -121,13 +121,14 @@ def test_each_broken_part_is_counted_and_the_rest_ingested(tmp_path: Path) -> No
         parsing.MISSING_PICTURE: 1,
         NO_TIME: 1,
         BROKEN_TIME: 3,
-        parsing.BROKEN_FRAME: 1,
+        parsing.NO_FILE: 1,
         BROKEN_POSE: 2,
+        NO_POSE: 1,
         OUTSIDE: 1,
         parsing.BROKEN_LINE: 1,
     }
     assert "is outside of the recording" in str(summary.skipped.examples)
-    assert summary.frames == 8
+    assert summary.frames == 9
     assert store.check() == []
 
 

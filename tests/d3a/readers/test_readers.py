@@ -9,11 +9,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from d3a.ingest import ingest
 from d3a.model import BadInput
+from d3a.parameters import Parameters
 from d3a.readers import parsing
 from d3a.readers.base import Skipped
 from d3a.readers.opening import open_source
 from d3a.readers.recording import BROKEN_EMBEDDING
+from tests.worlds.oracle import OracleStore
 from tests.worlds.rounds import depth_png, detection_line, frame_line, jpeg, write_recording
 
 HEADER = (
@@ -205,23 +208,72 @@ def test_a_recording_gives_its_facts(tmp_path: Path) -> None:
     assert reader.skipped.counts == {}
 
 
+def wide(rows: list[list[float]], width: int = 512) -> np.ndarray[Any, np.dtype[np.float32]]:
+    """Rows of so many numbers that begin with these."""
+    matrix = np.zeros((len(rows), width), np.float32)
+    matrix[:, :2] = rows
+    return matrix
+
+
 def test_embeddings_come_by_row_at_unit_length(tmp_path: Path) -> None:
     folder = write_recording(tmp_path / "r", [frame_line(0)], [detection_line(0, embedding=1)])
-    matrix = np.array([[1, 0], [3, 4]], np.float32)
-    np.save(folder / "embeddings.npy", matrix)
+    np.save(folder / "embeddings.npy", wide([[1, 0], [3, 4]]))
     reader = open_source(folder)
     (frame,) = reader
     (detection,) = frame.detections or ()
     assert detection.embedding is not None
-    assert detection.embedding.tolist() == pytest.approx([0.6, 0.8])
+    assert detection.embedding[:3].tolist() == pytest.approx([0.6, 0.8, 0.0])
     assert reader.skipped.counts == {}
+
+
+@pytest.mark.parametrize(
+    ("said", "width", "why"),
+    [
+        (
+            {"name": "rgb-8x8x8", "dim": 512},
+            100,
+            r"has 100 numbers a row, .* says 512 \(rgb-8x8x8\)",
+        ),
+        ({"name": "rgb-8x8x8"}, 100, "says 512"),
+        ({"name": "clip", "dim": 128}, 100, r"says 128 \(clip\)"),
+        ({"name": "clip", "dim": 48}, 48, "a store keeps 64 to 4096"),
+        ({"name": "clip"}, 5000, "a store keeps 64 to 4096"),
+        (None, 100, '"embedding": {"name": "my-model", "dim": 100} would do'),
+        ({"dim": 512}, 512, "embedding.name must be text"),
+        ({"name": "clip", "dim": "512"}, 512, "dim must be a whole number"),
+        ({"name": "rgb-8x8x8", "dim": 64}, 64, "rgb-8x8x8 has 512 numbers"),
+        ([], 512, "must be an object"),
+    ],
+)
+def test_embeddings_of_another_kind_than_is_said_are_refused_before_anything_is_stored(
+    tmp_path: Path, said: Any, width: int, why: str
+) -> None:
+    rows = [detection_line(0, embedding=0)]
+    folder = write_recording(tmp_path / "r", [frame_line(0)], rows, embedding=said)
+    np.save(folder / "embeddings.npy", wide([[3, 4]], width))
+    store = OracleStore()
+    with pytest.raises(BadInput, match=why):
+        ingest(open_source(folder), store, Parameters())
+    assert store.counts()["recordings"] == 0
+
+
+def test_a_count_of_pixels_below_none_is_no_look_of_colours(tmp_path: Path) -> None:
+    rows = [detection_line(0, embedding=0)]
+    for name, broken in (("rgb-8x8x8", 1), ("clip", 0)):
+        facts = {"embedding": {"name": name, "dim": 512}}
+        folder = write_recording(tmp_path / name, [frame_line(0)], rows, **facts)
+        np.save(folder / "embeddings.npy", wide([[3, -4]]))
+        reader = open_source(folder)
+        (frame,) = reader
+        assert [each.embedding is None for each in frame.detections or ()] == [broken == 1]
+        assert reader.skipped.counts.get(BROKEN_EMBEDDING, 0) == broken
 
 
 @pytest.mark.parametrize("row", [0, 1, 7, -1, True, "2"])
 def test_a_detection_with_a_broken_embedding_is_kept_without_it(tmp_path: Path, row: Any) -> None:
     rows = [detection_line(0, embedding=2), detection_line(0, embedding=row)]
     folder = write_recording(tmp_path / "r", [frame_line(0)], rows)
-    np.save(folder / "embeddings.npy", np.array([[0, 0], [np.nan, 1], [3, 4]], np.float32))
+    np.save(folder / "embeddings.npy", wide([[0, 0], [np.nan, 1], [3, 4]]))
     reader = open_source(folder)
     (frame,) = reader
     sound, broken = frame.detections or ()
@@ -273,13 +325,51 @@ def test_broken_frames_and_poses_are_counted(tmp_path: Path) -> None:
     ]
     reader = open_source(write_recording(tmp_path / "r", frames, []))
     kept = list(reader)
-    assert [frame.name for frame in kept] == ["000001", "000003"]
-    assert [frame.pose is None for frame in kept] == [True, False]
+    assert [frame.name for frame in kept] == ["000001", "000002", "000003"]
+    assert [frame.pose is None for frame in kept] == [True, False, False]
+    assert [frame.image for frame in kept] == [None] * 3
     assert reader.skipped.counts == {
-        parsing.BROKEN_FRAME: 2,
+        parsing.BROKEN_FRAME: 1,
         "broken pose": 1,
+        parsing.NO_FILE: 1,
         parsing.MISSING_PICTURE: 1,
     }
+
+
+@pytest.mark.parametrize("name", ["../far.png", "depth/../../far.png", "{tmp}/far.png", "a\0b", 7])
+def test_a_picture_that_leads_out_of_the_recording_costs_the_picture_alone(
+    tmp_path: Path, name: Any
+) -> None:
+    (tmp_path / "far.png").write_bytes(depth_png(2.0))
+    said = name.format(tmp=tmp_path) if isinstance(name, str) else name
+    folder = write_recording(tmp_path / "r", [frame_line(0, depth=said)], [detection_line(0)])
+    reader = open_source(folder)
+    (frame,) = reader
+    assert (frame.depth, len(frame.detections or ())) == (None, 1)
+    assert reader.skipped.counts == {parsing.NO_FILE: 1}
+
+
+def test_links_that_lie_in_a_recording_are_followed(tmp_path: Path) -> None:
+    """A name cannot lead behind them: "depth/.." is the recording's folder."""
+    (tmp_path / "disk" / "depth").mkdir(parents=True)
+    for place in ("depth/0.png", "1.png", "secret.png"):
+        (tmp_path / "disk" / place).write_bytes(depth_png(2.0))
+    names = ["depth/0.png", "1.png", "depth/../secret.png"]
+    frames = [frame_line(n, depth=name) for n, name in enumerate(names)]
+    folder = write_recording(tmp_path / "r", frames, [])
+    (folder / "depth").symlink_to(tmp_path / "disk" / "depth")
+    (folder / "1.png").symlink_to(tmp_path / "disk" / "1.png")
+    reader = open_source(folder)
+    assert [frame.depth is None for frame in reader] == [False, False, True]
+    assert reader.skipped.counts == {parsing.MISSING_PICTURE: 1}
+
+
+def test_a_name_longer_than_any_file_s_is_a_missing_picture(tmp_path: Path) -> None:
+    folder = write_recording(tmp_path / "r", [frame_line(0, image="a" * 5000)], [])
+    reader = open_source(folder)
+    (frame,) = reader
+    assert frame.image is None
+    assert reader.skipped.counts == {parsing.MISSING_PICTURE: 1}
 
 
 def test_what_is_no_covariance_is_counted_and_the_pose_goes_on_without(tmp_path: Path) -> None:

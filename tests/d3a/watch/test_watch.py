@@ -220,6 +220,15 @@ def test_embeddings_that_are_written_after_their_row_are_waited_for(tmp_path: Pa
     assert list(store.dump()) == plain(whole)
 
 
+def test_embeddings_of_another_width_than_is_said_end_the_watch(tmp_path: Path) -> None:
+    facts = {"embedding": {"name": "clip", "dim": 128}}
+    rows = [detection_line(0, embedding=0)]
+    folder = write_recording(tmp_path / "grows", [frame_line(0)], rows, **facts)
+    np.save(folder / "embeddings.npy", np.ones((1, 64), np.float32))
+    with pytest.raises(BadInput, match=r"has 64 numbers a row, .* says 128 \(clip\)"):
+        watched(folder, Script([lambda: None] * 3), OracleStore())
+
+
 def test_a_recording_is_waited_for_until_it_is_there(tmp_path: Path) -> None:
     whole, folder = as_recording(tmp_path / "whole"), tmp_path / "later"
     store = OracleStore()
