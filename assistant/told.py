@@ -80,6 +80,9 @@ def carry_out(context: click.Context, act: Act, *, as_json: bool, create: bool =
         emit(record_of(done, zone))
     else:
         click.echo(sentence_of(done))
+        doubts = done.arguments.get("doubts") if context.command.name == "merge" else None
+        if doubts and not settings.quiet:
+            click.echo(clean(f"note: {'; '.join(doubts)}"), err=True)
         if not settings.quiet and done.number > 0 and context.command.name != "undo":
             click.echo("d3a undo takes it back.", err=True)
 
@@ -113,6 +116,7 @@ def record_of(correction: Correction, zone: tzinfo) -> Json:
     }
     if correction.kind == "merge":
         record |= {"object_id": said["kept"], "was": said["gone"]}
+        record["doubts"] = said.get("doubts", [])  # older stores have none
     elif correction.kind == "split":
         record |= {"object_id": said["object"], "place": said["place"], "new_id": said["new"]}
         from_ms = said.get("from_ms")

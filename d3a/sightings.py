@@ -119,7 +119,8 @@ class Interval:
 
     def grown(self, ref: FrameRef, detection: Detection) -> Interval:
         """Return the interval with a later view of the thing."""
-        if detection.probability > self.probability:
+        is_first_picture = self.image is None and ref.image is not None
+        if is_first_picture or detection.probability > self.probability:
             shown = (
                 detection.probability, detection.category, ref.name, ref.time_ms, detection.box,
                 ref.image, ref.viewer, ref.recording,
@@ -133,9 +134,8 @@ class Interval:
         return _interval(start_ms, end_ms, self.seen + 1, *shown)
 
     def union(self, other: Interval) -> Interval:
-        """Return both as one, with the better keyframe."""
-        is_better = (-other.probability, other.keyframe_ms) < (-self.probability, self.keyframe_ms)
-        best = other if is_better else self
+        """Return both as one, with the better keyframe: one with a picture before one without."""
+        best = min(self, other, key=lambda each: each.worth)
         return _interval(
             min(self.start_ms, other.start_ms),
             max(self.end_ms, other.end_ms),
@@ -149,6 +149,11 @@ class Interval:
             best.viewer,
             best.recording,
         )
+
+    @property
+    def worth(self) -> tuple[bool, float, int]:
+        """The order of keyframes, the best first."""
+        return self.image is None, -self.probability, self.keyframe_ms
 
     def follows_on(self, later: Interval, parameters: Parameters) -> bool:
         """Say whether `later` goes on with this interval: no pause between them."""

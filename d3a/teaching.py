@@ -19,7 +19,7 @@ from __future__ import annotations
 import difflib
 from collections.abc import Sequence
 from dataclasses import replace as with_changes
-from datetime import datetime
+from datetime import UTC, datetime
 
 from d3a.answering.match import squash
 from d3a.constraints import (
@@ -111,7 +111,7 @@ def split(
         looks = {}
         if (object_id, place) in portion.stays:
             looks = measured_looks(store, portion, (object_id, place), new_id, from_ms)
-        made = do_split(portion, correction, looks)
+        made = do_split(portion, correction, looks, (since and since.tzinfo) or UTC)
         assert made.after is not None
         return made, difference(portion, made.after)
 

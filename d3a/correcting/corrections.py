@@ -4,17 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from datetime import UTC, datetime, timedelta, tzinfo
 from typing import Any
 
 from d3a.constraints import Correction
 from d3a.correcting.portion import Portion, difference
 from d3a.correcting.rooms import region_of
-from d3a.correcting.same_thing import Origin, merged, shared_frame, votes_of
+from d3a.correcting.same_thing import Origin, doubts, merged, shared_frame, votes_of
 from d3a.correcting.taken_back import unmerged, unsplit
 from d3a.correcting.two_things import Look, parted, split
 from d3a.model import BadInput, Json
 from d3a.parameters import PROFILES, Parameters
-from d3a.store.base import Store, TaughtName
+from d3a.store.base import StayRecord, Store, TaughtName
 
 
 class UnknownThing(BadInput):
@@ -55,17 +56,21 @@ def do_merge(
     after, origin = merged(portion, kept, gone, parameters)
     called = {name for each in portion.objects.values() for name in votes_of(each)}
     arguments = correction.arguments | {
+        "doubts": doubts(portion, kept, gone, parameters),
         "categories": sorted(called),
         "origin": [[*was, becomes[1]] for was, becomes in sorted(origin.items())],
     }
     return replace(correction, arguments=arguments, before=portion, after=after)
 
 
-def do_split(portion: Portion, correction: Correction, looks: Mapping[str, Look]) -> Correction:
+def do_split(
+    portion: Portion, correction: Correction, looks: Mapping[str, Look], zone: tzinfo = UTC
+) -> Correction:
     """Return the correction carried out on a portion: a place given to an object of its own.
 
-    Raises UnknownThing for an id or a place that is not there, BadInput where it is the only one,
-    or was seen only before or after the moment from which on it is another thing.
+    zone: of the times in messages. Raises UnknownThing for an id or a place that is not there,
+    BadInput where it is the only one, or was seen only before or after the moment from which on it
+    is another thing.
     """
     object_id, place = correction.arguments["object"], correction.arguments["place"]
     from_ms = correction.arguments.get("from_ms")  # older stores have none
@@ -78,15 +83,30 @@ def do_split(portion: Portion, correction: Correction, looks: Mapping[str, Look]
         )
     key = object_id, place
     if from_ms is not None:
-        for when, seen in zip(("before", "since"), parted(portion, key, from_ms), strict=True):
-            if not seen:
-                raise BadInput(f"no picture shows {object_id} at place {place} {when} that time")
+        early, late = parted(portion, key, from_ms)
+        if not early or not late:
+            side, would = ("before", "an earlier") if early else ("since", "a later")
+            raise BadInput(
+                f"{_seen(portion.stays[key], zone)}, all of it {side} {_iso(from_ms, zone)}: "
+                f"{would} time would do"
+            )
     elif len(places) == 1:
         raise BadInput(
-            f"{object_id} was seen at one place only: there is nothing to split but by time"
+            f"{object_id} was seen at one place only: there is nothing to split but by time, --from"
         )
     after = split(portion, key, correction.arguments["new"], looks, from_ms)
     return replace(correction, before=portion, after=after)
+
+
+def _seen(stay: StayRecord, zone: tzinfo) -> str:
+    """Say from when to when a stay was seen."""
+    span = f"from {_iso(stay.first_ms, zone)} to {_iso(stay.last_ms, zone)}"
+    return f"{stay.object_id} was seen at place {stay.place} {span}"
+
+
+def _iso(milliseconds: int, zone: tzinfo) -> str:
+    moment = datetime(1970, 1, 1, tzinfo=UTC) + timedelta(milliseconds=milliseconds)
+    return moment.astimezone(zone).isoformat(timespec="seconds")
 
 
 def _settled(portion: Portion, object_id: str) -> None:

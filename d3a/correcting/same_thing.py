@@ -8,8 +8,10 @@ a place of both, is of the object that kept its id.
 from __future__ import annotations
 
 import math
+from bisect import bisect_left
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -33,6 +35,46 @@ def shared_frame(portion: Portion, a: str, b: str) -> Encounter | None:
     pair = (a, b) if a < b else (b, a)
     met = [e for k, e in sorted(portion.encounters.items()) if k[:2] == pair]
     return max(met, key=lambda e: e.seen, default=None)
+
+
+def doubts(portion: Portion, one: str, other: str, parameters: Parameters) -> list[str]:
+    """Return what speaks against two objects being one, a clause each.
+
+    They may be one for all that: detectors err, and so do maps. So it is told and not refused.
+    """
+    a, b = portion.objects[one], portion.objects[other]
+    found = []
+    if a.category not in votes_of(b) and b.category not in votes_of(a):
+        found.append(f"{one} was never called {b.category}, nor {other} {a.category}")
+    if a.site != b.site:
+        found.append(f"{one} is of the site {a.site!r}, {other} of {b.site!r}")
+    metres = _apart_at_one_time(portion, one, other, parameters)
+    if metres is not None:
+        found.append(f"both were seen at one time, {metres:.1f} m apart")
+    return found
+
+
+def _apart_at_one_time(
+    portion: Portion, one: str, other: str, parameters: Parameters
+) -> float | None:
+    """Return the most metres between places where two objects were meanwhile, None for none."""
+    metres = []
+    for a, b in product(portion.of_object(one), portion.of_object(other)):
+        if a.position is None or b.position is None or a.site != b.site:
+            continue
+        if _apart(a, b, parameters) is None and _overlap(portion.at(a.key), portion.at(b.key)):
+            metres.append(math.dist(a.position, b.position))
+    return max(metres, default=None)
+
+
+def _overlap(some: Sequence[Sighting], others: Sequence[Sighting]) -> bool:
+    """Say whether an interval of some, by time, shares a moment with one of the others."""
+    ends = sorted((each.end_ms, each.start_ms) for each in others)
+    for each in some:
+        after = bisect_left(ends, (each.start_ms, -1))
+        if any(start_ms <= each.end_ms for _, start_ms in ends[after:]):
+            return True
+    return False
 
 
 def merged(

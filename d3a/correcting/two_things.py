@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from d3a.correcting.cutting import Slice, cut_sighting, lessened_stay, share
+from d3a.correcting.cutting import Slice, lessened_stay, share
 from d3a.correcting.portion import Portion, relabelled, rename_encounters
 from d3a.correcting.same_thing import heaviest, mean_look, ranked, votes_of
 from d3a.store.base import Encounter, ObjectRecord, Sighting, StayKey, StayRecord, Store
@@ -54,14 +54,42 @@ def parted(
 ) -> tuple[list[Sighting], list[Sighting]]:
     """Return a stay's sightings of before a moment, and those from then on; None: all are.
 
-    One that goes on over it is the part with its keyframe: no picture says what the other shows.
+    One that goes on over it is in both. Its picture stays with the part of its time; the other is
+    known by the person's word alone, and needs a view of its own to be.
     """
     seen = portion.at(key)
     if from_ms is None:
         return [], seen
-    before, since = Slice(end_ms=from_ms), Slice(start_ms=from_ms)
-    early, late = ([cut_sighting(each, gone) for each in seen] for gone in (since, before))
-    return [s for s in early if s is not None], [s for s in late if s is not None]
+    early: list[Sighting] = []
+    late: list[Sighting] = []
+    for each in seen:
+        if each.end_ms < from_ms:
+            early.append(each)
+        elif each.start_ms >= from_ms:
+            late.append(each)
+        else:
+            first, then = _cut(each, from_ms)
+            early += first
+            late += then
+    return early, late
+
+
+def _cut(seen: Sighting, from_ms: int) -> tuple[list[Sighting], list[Sighting]]:
+    """Return the parts of a sighting before and from a moment within; its views are shared out."""
+    parts = (seen.start_ms, from_ms - 1), (from_ms, seen.end_ms)
+    shown = int(_keyframe_ms(seen) >= from_ms)
+    views = share(seen.seen, parts[shown], (seen.start_ms, seen.end_ms))
+    views = min(views, max(seen.seen - 1, 1))
+    rest = seen.seen - views
+    cut: list[list[Sighting]] = [[], []]
+    cut[shown] = [replace(seen, start_ms=parts[shown][0], end_ms=parts[shown][1], seen=views)]
+    if rest > 0:
+        start_ms, end_ms = parts[1 - shown]
+        # no frame's own name, as none of that part is known: so long after the one that is shown
+        frame = f"{seen.frame}{(start_ms - _keyframe_ms(seen)) / 1000:+g}s"
+        unseen = replace(seen, start_ms=start_ms, end_ms=end_ms, seen=rest, frame=frame)
+        cut[1 - shown] = [replace(unseen, image=None, viewer=None, keyframe_ms=None)]
+    return cut[0], cut[1]
 
 
 def _stays(

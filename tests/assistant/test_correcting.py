@@ -20,7 +20,7 @@ from assistant.exits import ExitCode
 from assistant.told import told_name
 from d3a import teaching
 from d3a.store import open_store
-from d3a.store.base import Batch, Store
+from d3a.store.base import Batch, Sighting, StayRecord, Store
 from tests.worlds.small_home import NOW, fill
 
 Run = Callable[..., Result]
@@ -100,6 +100,35 @@ def test_each_command_says_what_it_did_and_undo_takes_all_of_it_back(
     assert run("undo", "--list", status=ExitCode.NOTHING).stdout == ""
 
 
+def test_what_speaks_against_a_merge_is_told_and_does_not_stop_it(run: Run, uri: str) -> None:
+    against = "cup-1 was never called bowl, nor bowl-1 cup"
+    assert record(run("merge", "cup-1", "bowl-1", "--force", "--json"))["doubts"] == [against]
+    run("undo")
+    said = run("merge", "cup-1", "bowl-1", "--force")
+    assert said.stdout == "bowl-1 is the same thing as cup-1\n"
+    assert said.stderr == f"note: {against}\nd3a undo takes it back.\n"
+    assert "note" not in run("undo").stderr
+    for after_ms, doubts in ((0, ["both were seen at one time, 5.1 m apart"]), (60_000, [])):
+        with contextlib.closing(open_store(uri)) as store:
+            store.apply(far_off(store, "cup-1", "cup-9", after_ms))
+        assert record(run("merge", "cup-1", "cup-9", "--json"))["doubts"] == doubts
+        run("undo")
+
+
+def far_off(store: Store, like: str, name: str, after_ms: int) -> Batch:
+    """Another thing like one, seen so long after that one, in another corner."""
+    (twin,) = store.objects(ids=[like])
+    (stay,) = store.stays(object_ids=[like])
+    at = stay.last_ms + after_ms
+    other = replace(twin, object_id=name, names=(), first_ms=at, last_ms=at)
+    place = StayRecord(name, 0, (1.0, 1.0, 0.7), at, at, 1.0, stay.site, seen=1)
+    seen = Sighting(name, 0, at, at, "far", 0.9, (0.0, 0.0, 1.0, 1.0), None)
+    return Batch(
+        objects=[other], stays=[place], sightings=[seen],
+        removed_objects=[name] if store.objects(ids=[name]) else [],
+    )  # fmt: skip
+
+
 def test_a_place_is_another_thing_from_a_time_on(run: Run, uri: str) -> None:
     hours_ms = 3 * 3_600_000
     with contextlib.closing(open_store(uri)) as store:
@@ -129,7 +158,11 @@ def test_a_place_is_another_thing_from_a_time_on(run: Run, uri: str) -> None:
         (("merge", "cup", "keys-1"), ExitCode.NOTHING, "The nearest are cup-1"),
         (("split", "keys-1", "9"), ExitCode.NOTHING, "it has 0, 1, 2"),
         (("split", "cup-1", "3"), ExitCode.USAGE, "one place only"),
-        (("split", "cup-1", "3", "--from", "noon"), ExitCode.USAGE, "no picture shows cup-1"),
+        (
+            ("split", "cup-1", "3", "--from", "noon"),
+            ExitCode.USAGE,
+            "cup-1 was seen at place 3 from",
+        ),
         (("split", "cup-1", "3", "--from", "once"), ExitCode.USAGE, "is not a time"),
         (("merge", "bowl-1", "cup-1"), ExitCode.USAGE, "frame 000003 shows both"),
         (("teach", "nobody", "Bob"), ExitCode.NOTHING, "no object 'nobody'"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import replace
 from datetime import UTC, datetime
@@ -10,7 +11,7 @@ import numpy as np
 import pytest
 
 from d3a import teaching
-from d3a.constraints import Constraints, History
+from d3a.constraints import HISTORY, SAID, Constraints, History
 from d3a.ingest import ingest
 from d3a.model import BadInput, Detection, Frame, Json, Pose
 from d3a.parameters import PROFILES, Parameters
@@ -37,6 +38,10 @@ def numbers(profile: str, **changes: object) -> Parameters:
 
 def world(*things: Thing, frames: int = 90) -> list[Frame]:
     return rounds(things, frames, 1, noise_m=0.05, missed=0.1)
+
+
+def utc(milliseconds: int) -> datetime:
+    return datetime.fromtimestamp(milliseconds / 1000, UTC)
 
 
 def put(store: Store, frames: Sequence[Frame], parameters: Parameters) -> None:
@@ -183,13 +188,53 @@ def test_a_person_tells_that_two_things_changed_places() -> None:
     assert {stay.key for stay in store.stays()} == {(a, 0), (b, 0)}
 
 
-def test_what_no_picture_parts_is_not_split_by_time() -> None:
+def test_a_time_that_parts_nothing_is_refused_and_the_times_told() -> None:
     store, _, frames, _ = swapped()
     (a, seen), *_ = seen_at(store, *LEFT[:2])
-    for at, when in ((frames[0].time_ms, "before"), (frames[-1].time_ms + 1, "since")):
-        with pytest.raises(BadInput, match=f"no picture shows {a} at place 0 {when} that time"):
-            teaching.split(store, a, 0, since=datetime.fromtimestamp(at / 1000, UTC))
+    (stay,) = store.stays(object_ids=[a])
+    span = " to ".join(
+        utc(ms).isoformat(timespec="seconds") for ms in (stay.first_ms, stay.last_ms)
+    )
+    for at, rest in (
+        (frames[0].time_ms, "since .*: a later time would do"),
+        (frames[-1].time_ms + 1, "before .*: an earlier time would do"),
+    ):
+        said = f"{a} was seen at place 0 from {re.escape(span)}, all of it {rest}"
+        with pytest.raises(BadInput, match=said):
+            teaching.split(store, a, 0, since=utc(at))
     assert seen_at(store, *LEFT[:2]) == [(a, seen)]
+
+
+@pytest.mark.parametrize("at", [1, 30, 69])
+def test_a_thing_is_another_from_a_moment_within_one_interval_on(at: int) -> None:
+    """The picture stays with the part of its time; views to come give the other one its own."""
+    frames = [
+        replace(frame, image=np.full((48, 64, 3), 90, np.uint8))
+        for frame in world(Thing("cup", LEFT, 1), frames=90)
+    ]
+    long = numbers("default", max_interval_s=3600.0).with_changes(interval_gap_s=600.0)
+    store = OracleStore()
+    put(store, frames[:70], long)
+    ((a, count),) = seen_at(store, *LEFT[:2])
+    (whole,) = store.sightings(object_ids=[a])
+    before = [record for record in store.dump() if record.get("key") not in (HISTORY, SAID)]
+    new = teaching.split(store, a, 0, since=utc(frames[at].time_ms)).arguments["new"]
+    assert store.check() == []
+    (first,), (then,) = (store.sightings(object_ids=[each]) for each in (a, new))
+    assert (first.start_ms, first.end_ms) == (whole.start_ms, frames[at].time_ms - 1)
+    assert (then.start_ms, then.end_ms) == (frames[at].time_ms, whole.end_ms)
+    assert first.seen + then.seen == whole.seen == count
+    pictured, other = (first, then) if first.image else (then, first)
+    assert (pictured.image, pictured.frame, other.image) == (whole.image, whole.frame, None)
+    assert other.frame != whole.frame, "no question takes the two for shown together"
+    teaching.undo(store)
+    assert [r for r in store.dump() if r.get("key") not in (HISTORY, SAID)] == before
+    teaching.split(store, a, 0, since=utc(frames[at].time_ms))
+    put(store, frames, long)
+    assert store.check() == []
+    newest = max(store.sightings(), key=lambda seen: seen.end_ms)
+    assert newest.end_ms == frames[89].time_ms
+    assert newest.image is not None
 
 
 def moving() -> list[Frame]:
