@@ -153,6 +153,9 @@ def _merged(asked: FormalQuery, term: ObjectTerm, lexicon: Lexicon) -> FormalQue
     """Return what was asked with its thing described further; None where another one is named."""
     thing, *others = asked.objects
     more = _more(thing, term, lexicon)
+    known = term.owner is not None or lexicon.known_noun(term.word) is not None
+    if more is None and asked.ask == "whether" and term.category != ANYTHING and known:
+        more = term  # is the cup on the desk? and the bowl?
     return replace(asked, objects=(more, *others)) if more is not None else None
 
 

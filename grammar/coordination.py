@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from grammar.closed import is_open
+from grammar.closed import is_open, words_of
 from grammar.cursor import DETERMINERS, OWNERS, TIME_GAP
+from grammar.nountags import PEOPLE
 from grammar.phrases import breaks, phrases
 from grammar.vocabulary import Lexicon
 from grammar.vocabulary.words import singular
@@ -25,7 +26,7 @@ def spread(words: list[Word], lexicon: Lexicon) -> list[Word]:
     words = _last_before(words)
     if _JOINING.isdisjoint([word.text for word in words]):
         return words  # most join nothing
-    words = _listed_looks(_denied_each(words), lexicon)
+    words = _unpaused(_listed_looks(_denied_each(words), lexicon), lexicon)
     for k in range(len(words) - 3, 0, -1):  # what is spread goes before it
         if words[k].text in _JOINTS:
             words = (
@@ -36,6 +37,35 @@ def spread(words: list[Word], lexicon: Lexicon) -> list[Word]:
                 or words
             )
     return words
+
+
+def _unpaused(words: list[Word], lexicon: Lexicon) -> list[Word]:
+    """Say `and` between things of a list that a recogniser gives no pause: keys wallet and phone.
+
+    Several of a kind lead no noun: but for what they are kept in, that is two.
+    """
+    end = next((k for k in range(len(words) - 1, 1, -1) if words[k].text == "and"), 0)
+    out: list[Word] = []
+    listed = False
+    for i, word in enumerate(words):
+        out.append(word)
+        following = words[i + 1].text if i + 1 < end else ""
+        several = lexicon.singular(word.text) != word.text
+        person = lexicon.singular(word.text) in PEOPLE
+        apart = (several or listed) and not person and following not in _KEEPING
+        listed = (
+            apart
+            and all(lexicon.known_noun(text) for text in (word.text, following))
+            and lexicon.known_noun(f"{word.text} {following}") is None
+        )
+        out += [replace(words[i + 1], text="and")] if listed else []
+    return out
+
+
+_KEEPING = words_of(
+    "case box bag basket rack shelf drawer cabinet holder stand hook jar tin tray bin bowl bucket "
+    "container cupboard hanger organizer organiser ring book cover"
+)
 
 
 def _denied_each(words: list[Word]) -> list[Word]:

@@ -130,18 +130,23 @@ class Reading:
         """Read one sentence; `it` is what its pronouns mean."""
         found = self.terminals(words, it)
         meaning = self.parsed(found, "start")
-        if meaning.ask == "where" and meaning.things.items and self._questioned(words, found):
+        placed = meaning.ask == "where" and meaning.things.items and self._questioned(words)
+        denied = found.tagged.negated and meaning.ask in ("where", "what")  # nothing on the table
+        if (placed or denied) and self._alone(found):
             meaning = replace(meaning, ask="whether", newest=False)  # my keys on the table?
         scope.refuse_noise(
             self.text, found.tagged, found.words, self.lexicon, timed=found.time is not None
         )
         return self.finished(meaning, found)
 
-    def _questioned(self, words: list[Word], found: Terminals) -> bool:
-        """Whether a thing and its place are said alone, with a question mark."""
-        verbal = any(t.type[0] == "_" or t.type in _VERBAL for t in found.tagged.tags)
+    def _alone(self, found: Terminals) -> bool:
+        """Whether a thing and its place are said alone, with no verb and no question word."""
+        return not any(t.type[0] == "_" or t.type in _VERBAL for t in found.tagged.tags)
+
+    def _questioned(self, words: list[Word]) -> bool:
+        """Whether a question mark ends the words."""
         ends = self.text[words[-1].end :].lstrip().lower()
-        return not verbal and ends.startswith(("?", "question mark"))
+        return ends.startswith(("?", "question mark"))
 
     def again(self, text: str) -> FormalQuery:
         """Read another spelling of the text, its times said in another way."""

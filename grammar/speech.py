@@ -283,6 +283,8 @@ def _said_in_earnest(words: list[Word], i: int, count: int) -> bool:
     following = words[i + count].text if i + count < len(words) else ""
     if not following:
         return True
+    if words[i].text == "no" and is_open(following) and following not in _CALLED:
+        return not any(_verbal(w.text) or w.text in QUESTION_WORDS for w in words[i:])
     if is_open(words[i].text) and words[i].text in _CALLED:
         return following not in (*QUESTION_STARTS, *_CALLED, ",") and not following.startswith("i")
     return False

@@ -37,7 +37,7 @@ def _looked_anew(words: list[Word], lexicon: Lexicon) -> list[Word]:
 
 def _without_dummy(words: list[Word]) -> list[Word]:
     """Take out an `it` beside its thing: where it is my charger, where was it, the scarf."""
-    words = _told_after(words)
+    words = _verb_last(_told_after(words))
     if len(words) < 3 or "it" not in (words[1].text, words[2].text):
         return words
     texts = [w.text for w in words[:4]]
@@ -51,6 +51,15 @@ def _without_dummy(words: list[Word]) -> list[Word]:
         return [*words[:2], *words[4:]]
     if there or (where and (texts[-1] in LEADING or is_open(texts[-1])) and len(texts) == 4):
         return [words[0], *words[2:]]
+    return words
+
+
+def _verb_last(words: list[Word]) -> list[Word]:
+    """Put a verb that is said last before its thing: have you my wallet seen."""
+    texts = [w.text for w in words]
+    asked = texts[:2] in (["have", "you"], ["has", "anyone"], ["has", "anybody"])
+    if asked and len(texts) > 4 and texts[2] in LEADING and texts[-1] in ("seen", "found"):
+        return [*words[:2], words[-1], *words[2:-1]]
     return words
 
 

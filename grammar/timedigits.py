@@ -12,6 +12,7 @@ from grammar.lalr import Token
 _ISO = re.compile(r"(\d{4})[-/.](\d{1,2})[-/.](\d{1,2})(?:t(\d{1,2}):(\d{2})(?::(\d{2}))?)?$")
 _SLASHED = re.compile(r"(\d{1,2})[-/.](\d{1,2})(?:[-/.](\d{4}|\d{2}))?$")
 _NAMED = re.compile(r"(\d{1,2})-([a-z]{3,9})-(\d{2,4})$")
+_MONTH_NAMED = re.compile(r"([a-z]{3,9})-(\d{1,2})-(\d{4})$")
 _YEAR_NAMED = re.compile(r"(\d{4})-([a-z]{3,9})-(\d{1,2})$")
 CLOCK = re.compile(r"(\d{1,2})[:.h](\d{2})(?::(\d{2}))?$")
 CLOCK_ENDS = words_of("HOUR MINUTE HHMM FIXED MERIDIEM _OCLOCK")
@@ -64,6 +65,9 @@ class DigitReader:
             first, last = match[1], match[3]
             in_year, on = (first, last) if len(first) == 4 else (last, first)
             return self._make("DATE", ("ymd", _year(in_year), named, int(on)), 1) if named else None
+        if (match := _MONTH_NAMED.match(self.word)) and match[1] in tw.MONTH_NUMBER:
+            named, on, in_year = tw.MONTH_NUMBER[match[1]], int(match[2]), int(match[3])
+            return self._make("DATE", ("ymd", in_year, named, on), 1)  # feb-14-2025
         if (match := CLOCK.match(self.word)) and int(match[1]) <= 24 and int(match[2]) < 60:
             exact = len(match[1]) == 2 and match[1][0] == "0"
             second = int(match[3] or 0)

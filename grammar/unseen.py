@@ -67,14 +67,27 @@ def _states(found: FormalQuery, said: list[str], lexicon: Lexicon) -> Iterator[t
     ends = verb in (["is"], ["are"], ["was"], ["were"])
     if ends and (said[-1] in lists["state"] - _NO_STATES or _predicated(found, said, lexicon)):
         yield said[-1], _STATES
+    if found.ask == "when" and ends and _happens(found, said, lexicon):
+        yield said[-1], "It tells when a thing was seen, not when something is on"
     if len(found.objects) == 2 and found.relation and found.relation.kind == "in":
         content, vessel = (term.category for term in found.objects)
-        if content in lists["liquid"] and vessel in lists["vessel"]:
+        held = vessel in lists["vessel"] or vessel.rpartition(" ")[2] in lists["vessel"]
+        if content in lists["liquid"] and held and not _DEFINITE & {*said[1:2]}:
             yield said[-1], "What is in a vessel is a state of it"
 
 
 _ORDERS = words_of("order sequence page channel setting mode gear position")
 """What a thing is set to, or has its turn in: what channel is it on."""
+
+
+def _happens(found: FormalQuery, said: list[str], lexicon: Lexicon) -> bool:
+    """Whether it is asked when something is on: when is the service, when was the rehearsal."""
+    named = len(found.objects) == 1 and lexicon.singular(said[-1]) in found.objects[0].word
+    bare = named and found.relation is None and found.place is None and found.select == "all"
+    present = said[1] in ("is", "are")
+    return bare and (present or lexicon.known_noun(found.objects[0].word) is None)
+
+
 _ONLY_STATES = words_of("asleep awake alive alone ajar afraid awry askew ablaze alight")
 """Words that say how a thing is, and stand before none."""
 
