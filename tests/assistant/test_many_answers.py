@@ -17,7 +17,9 @@ from d3a.answering import facts, late, many
 from d3a.store import open_store
 from d3a.store.base import Batch, NativeQuery, Region, Store
 from grammar.forms import (
+    ASKS,
     RELATION_KINDS,
+    SELECTS,
     Ask,
     FormalQuery,
     ObjectTerm,
@@ -26,6 +28,7 @@ from grammar.forms import (
     Select,
     TimeSlice,
 )
+from tests.bench import bench_forms
 from tests.worlds import drawn, scaled
 from tests.worlds.made import NOW, Home
 from tests.worlds.oracle import OracleStore
@@ -129,6 +132,14 @@ def test_columns_give_the_answer_of_records(
         read_as(monkeypatch, whole)
         answers.append(told(ask(store, said, now=now, limit=2_000)))
     assert answers[1] == answers[0]
+
+
+def test_the_bench_times_every_form_once(store: Store) -> None:
+    forms = [*bench_forms.forms(store_now(store, "last", lambda: NOW))]
+    assert len({*forms}) == len(forms)
+    assert {form.ask for form in forms} == {*ASKS}
+    assert {form.select for form in forms} == {*SELECTS}
+    assert {form.relation.kind for form in forms if form.relation} == {*RELATION_KINDS}
 
 
 @given(home=drawn.homes(), query=drawn.queries())
