@@ -9,11 +9,12 @@ from collections.abc import Container, Mapping, Sequence
 from math import prod
 
 import numpy as np
+from numpy.typing import NDArray
 
 from d3a import relations
 from d3a.answering.joins import HOLDS, Related
-from d3a.answering.linked import Link
-from d3a.answering.moments import Found, Moment, entry_of
+from d3a.answering.linked import Link, numbered
+from d3a.answering.moments import Entry, Found, Moment, entry_of
 from d3a.answering.standing import BY_START, Standing, Timeline, was_there
 from d3a.store.base import Sighting, StayKey
 
@@ -83,45 +84,51 @@ def between_moments(
     time by what was seen of any then. settled: see `standing.was_there`.
     """
     one, two = found[0], found[-1]
-    rows = _threes(one.links, two.links, same=grounds[0] is grounds[-1])
-    if not rows or one.pairs is None or two.pairs is None:
+    left, right = _threes(one.links, two.links, same=grounds[0] is grounds[-1])
+    if not len(left) or one.pairs is None or two.pairs is None:
         return []
-    left, right = (np.array(side, dtype=np.intp) for side in zip(*rows, strict=True))
-    shared = [_frame(one.links[i]) == _frame(two.links[j]) for i, j in rows]
-    held = relations.between(one.pairs.at(left), two.pairs.at(right), np.array(shared))
+    frames = numbered(_frame(link) for link in (*one.links, *two.links))
+    shared = frames[left] == frames[len(one.links) + right]
+    held = relations.between(one.pairs.at(left), two.pairs.at(right), shared)
     at_once = _AtOnce(figure, grounds, settled)
+    so = np.flatnonzero(held >= HOLDS)  # False for NaN
+    rows = [*zip(left[so].tolist(), right[so].tolist(), held[so].tolist(), strict=True)]
     told: list[Moment] = []
     for standing in (False, True):
-        for (i, j), p in zip(rows, held.tolist(), strict=True):
+        for i, j, p in rows:
             both = one.links[i], two.links[j]
-            if p >= HOLDS and (both[0].standing is not None) is standing:
+            if (both[0].standing is not None) is standing:
                 told += at_once.told(both, p) if standing else [at_once.seen(both, p)]
     return sorted(told, key=lambda moment: (moment.start_ms, moment.ids))
 
 
-def _threes(first: Sequence[Link], second: Sequence[Link], *, same: bool) -> list[tuple[int, int]]:
-    """Return the rows of links of one figure at one time with two different things."""
-    by_stay: dict[StayKey, list[int]] = {}
-    for j, link in enumerate(second):
-        by_stay.setdefault(link.figure, []).append(j)
-    return [
-        (i, j)
-        for i, link in enumerate(first)
-        for j in by_stay.get(link.figure, [])
-        if (link.standing is None) is (second[j].standing is None)
-        and _at_once(link, second[j])
-        and link.ground[0] != second[j].ground[0]
-        and (not same or link.ground[0] < second[j].ground[0])
-    ]
+def _threes(
+    first: Sequence[Link], second: Sequence[Link], *, same: bool
+) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Return the rows of links of one figure at one time with two different things (n,), (n,)."""
+    links, split = [*first, *second], len(first)
+    figures, things = numbered(k.figure for k in links), numbered(k.ground[0] for k in links)
+    spans = np.array([k.stood for k in links], dtype=np.int64).reshape(-1, 2)
+    stood = np.array([k.standing is not None for k in links], dtype=np.bool_)
+    order = np.argsort(figures[split:], kind="stable")
+    low = np.searchsorted(figures[split:][order], figures[:split])
+    counts = np.searchsorted(figures[split:][order], figures[:split], side="right") - low
+    left = np.repeat(np.arange(split), counts)
+    within = np.arange(len(left)) - np.repeat(np.cumsum(counts) - counts, counts)
+    right = order[np.repeat(low, counts) + within]
+    other = split + right
+    begun = np.maximum(spans[left, 0], spans[other, 0])
+    meets = begun <= np.minimum(spans[left, 1], spans[other, 1])
+    meets &= (stood[left] == stood[other]) & (things[left] != things[other])
+    if same:
+        names = [link.ground[0] for link in links]
+        _, by_name = np.unique(np.array(names), return_inverse=True)
+        meets &= by_name[left] < by_name[other]
+    return left[meets], right[meets]
 
 
 def _frame(link: Link) -> str | None:
     return None if link.encounter is None else link.encounter.frame
-
-
-def _at_once(one: Link, two: Link) -> bool:
-    (begun, ended), (start, end) = one.stood, two.stood
-    return max(begun, start) <= min(ended, end)
 
 
 class _AtOnce:
@@ -133,14 +140,24 @@ class _AtOnce:
         self._tables, self._settled = (figure, grounds[0], grounds[-1]), settled
         self._seen = [Timeline(table, table.stays) for table in self._tables]
         self._told: dict[tuple[StayKey, ...], list[tuple[int, int]]] = {}
+        self._shown: dict[int, tuple[Sighting, Sighting]] = {}
+        self._entries: dict[tuple[int, int], Entry] = {}
 
     def seen(self, links: tuple[Link, Link], probability: float) -> Moment:
         """Return the moment of two links that tell what was seen at once."""
         one, two = links
         span = max(one.start_ms, two.start_ms), min(one.end_ms, two.end_ms)
         self._told.setdefault((one.figure, one.ground, two.ground), []).append(span)
-        figure = min(links, key=lambda k: (k.encounter is None, k.start_ms, k.ground)).seen()[0]
-        return self._moment((figure, one.seen()[1], two.seen()[1]), span, probability)
+        told = min(links, key=lambda k: (k.encounter is None, k.start_ms, k.ground))
+        seen = self._of(told)[0], self._of(one)[1], self._of(two)[1]
+        return self._moment(seen, span, probability)
+
+    def _of(self, link: Link) -> tuple[Sighting, Sighting]:
+        """Return the two sightings of a link, made once: it is of many threes."""
+        shown = self._shown.get(id(link))
+        if shown is None:
+            shown = self._shown[id(link)] = link.seen()
+        return shown
 
     def told(self, links: tuple[Link, Link], probability: float) -> list[Moment]:
         """Return the moments of two links of things that stood there, but of times told already."""
@@ -164,9 +181,14 @@ class _AtOnce:
     def _moment(
         self, seen: tuple[Sighting, ...], span: tuple[int, int], probability: float
     ) -> Moment:
-        entries = zip(self._tables, seen, strict=True)
-        told = tuple(entry_of(found, sighting) for found, sighting in entries)
-        return Moment(told, *span, relation=probability)
+        told: list[Entry] = []
+        for number, sighting in enumerate(seen):
+            key = number, id(sighting)  # all sightings are of tables or links, which stay
+            entry = self._entries.get(key)
+            if entry is None:
+                entry = self._entries[key] = entry_of(self._tables[number], sighting)
+            told.append(entry)
+        return Moment(tuple(told), *span, relation=probability)
 
 
 def without_relation(
