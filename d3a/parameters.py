@@ -81,7 +81,7 @@ class Parameters:
     looks_remembered: float = 30.0  # a look is the mean of about so many views; light changes
     new_thing_odds: float = 0.0  # log-odds of "new" against "known", all else equal
     confirm_sightings: int = 2  # fewer views ever: tentative
-    merge_odds: float = 2.0  # log-odds (7 to 1) from which two things of one place are one
+    merge_odds: float = 1.0  # log-odds (3 to 1) from which two things of one place are one
     # Default profile, tier 3: negative evidence, expiry, moves
     view_margin: float = 0.1  # share of the picture's edge where a missing box proves nothing
     detect_chance: float = 0.6  # of a present thing in one look, before anything is known of it

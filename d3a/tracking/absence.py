@@ -69,10 +69,14 @@ class Look:
 
 @dataclass(frozen=True, slots=True)
 class Judged:
-    """The things that a look missed, and those that it found, by number each."""
+    """The things that a look missed, and those that it found, by number each.
+
+    unseen: what it had in plain view from whatever side, and did not find.
+    """
 
     missed: list[Known]
     found: list[Known]
+    unseen: list[Known]
 
 
 class Absence:
@@ -133,25 +137,25 @@ class Absence:
         """
         looks, self._looks = self._looks[:-1], self._looks[-1:]
         judged = []
-        for look, misses in zip(looks, self._misses(looks), strict=True):
+        for look, (misses, unseen) in zip(looks, self._misses(looks), strict=True):
             for miss in misses:
                 self._miss(look, miss)
             for place, (thing, eye) in look.found.items():
                 self._is_there(thing, place, eye)
             found = {thing.number: thing for thing, _ in look.found.values()}
-            judged.append(
-                Judged([thing for (thing, _), *_ in misses], [found[n] for n in sorted(found)])
-            )
+            missed = [thing for (thing, _), *_ in misses]
+            judged.append(Judged(missed, [found[n] for n in sorted(found)], unseen))
         self._memory.positions.put_some_looks(self._remembered)
         self._remembered.clear()
         return judged
 
-    def _misses(self, looks: list[Look]) -> list[list[Miss]]:
+    def _misses(self, looks: list[Look]) -> list[tuple[list[Miss], list[Known]]]:
         """Return what each look told of what it should have shown, and did not, by thing and place.
 
-        It saw through it, or had it in plain view from a side that has shown it before.
+        It saw through it, or had it in plain view from a side that has shown it before. And all
+        that it had in plain view from whatever side, and did not find.
         """
-        misses: list[list[Miss]] = [[] for _ in looks]
+        misses: list[tuple[list[Miss], list[Known]]] = [([], []) for _ in looks]
         of, rows, shown = self._glimpses.take()
         if len(rows) == 0:
             return misses
@@ -160,6 +164,9 @@ class Absence:
         owners = [positions.owners[row] for row in rows.tolist()]
         by_look, plain, behind = of.tolist(), (frames > hidden).tolist(), is_through.tolist()
         asked = self._not_found([looks[k] for k in by_look], owners, plain, behind)
+        for k in asked:
+            if plain[k]:
+                misses[by_look[k]][1].append(owners[k][0])
         rows, last = rows[asked], shown.last[:, asked]
         tells = is_through[asked] | are_familiar(positions.sides(rows), last)
         rows, last = rows[tells], last[:, tells]
@@ -168,7 +175,7 @@ class Absence:
             np.array(asked, dtype=np.intp)[tells].tolist(), last[:3].T.tolist(), near, strict=True
         ):
             miss = owners[k], plain[k], behind[k], (x, y, z), (before, those)
-            misses[by_look[k]].append(miss)
+            misses[by_look[k]][0].append(miss)
         return misses
 
     def _not_found(

@@ -1,12 +1,13 @@
 """Default profile: two things in memory that are one.
 
 A bad position or look may found a second thing beside a known one; then detections go now to the
-one, now to the other. They are made one when a look finds one and misses the other, where place,
-look and category all say the same, and no frame ever showed both.
+one, now to the other. They are made one when a look finds one and not the other, which it had in
+view, where place, look and category together say the same, and no frame ever showed both.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,8 +17,9 @@ from d3a.ledger import Ledger
 from d3a.parameters import Parameters
 from d3a.sightings import Interval, joined
 from d3a.store.base import StayKey
-from d3a.symmetric import added, inverse, minus, plus, squared, times
+from d3a.symmetric import added, inverse, plus, times
 from d3a.tracking import likelihood
+from d3a.tracking.absence import Judged
 from d3a.tracking.known import Known, Place
 from d3a.tracking.likelihood import BESIDE, OTHER, CategoryModel, LookModel
 from d3a.tracking.look_space import LookSpace
@@ -40,45 +42,33 @@ class Evidence:
     neighbours: Neighbours
     parameters: Parameters
 
-    def likely(
-        self, looks: list[tuple[list[Known], list[Known]]]
-    ) -> list[tuple[Known, list[Known]]]:
-        """Return what looks missed with the things they found that it likely is, likeliest first.
+    def likely(self, looks: list[Judged]) -> list[tuple[Known, list[Known]]]:
+        """Return what looks did not show with what they found that it likely is, likeliest first.
 
         By all but time, as the look has left them. Things with names, several places or no position
-        are left alone, and so is what was seen beside the other.
+        are left alone, and so is what was seen beside the other. What looks otherwise from the
+        other side is a second thing there, and never missed: any plain view counts. Without a look
+        it may as well be another of its kind, and has to be missed where it was seen.
         """
         likely: dict[int, tuple[Known, list[tuple[float, int, Known]]]] = {}
-        near = [pair for missed, found in looks for pair in self._near(missed, found)]
-        for odds, (one, other) in self._odds(list(dict.fromkeys(near))):
-            if odds >= self.parameters.merge_odds:
+        apart = dict.fromkeys(pair for look in looks for pair in _apart(look))
+        for odds, (one, other) in self._odds(self._near(list(apart))):
+            are_pictured = one.look_weight > 0 and other.look_weight > 0
+            if are_pictured or odds >= self.parameters.plain_odds:
                 likely.setdefault(one.number, (one, []))[1].append((-odds, other.number, other))
         return [(one, [other for *_, other in sorted(each)]) for one, each in likely.values()]
 
-    def _near(self, missed: list[Known], found: list[Known]) -> list[tuple[Known, Known]]:
-        """Return the pairs that may be within each other's gate, and were never seen together."""
-        of = self.memory.positions.of
-        others = [(other, of(other.places[0])) for other in found if _is_simple(other)]
-        return [
-            (one, other)
-            for one in missed
-            if _is_simple(one)
-            for other, its in others
-            if other.number not in one.met
-            and other is not one
-            and self._are_near(of(one.places[0]), its)
-        ]
-
-    def _are_near(self, one: Row, other: Row) -> bool:
-        """Say whether two places are within each other's gate."""
-        most = self.parameters.gate_sigmas**2
-        away, spread = minus(one.mean, other.mean), added(one.spread, other.spread)
-        if away[0] ** 2 > most * spread[0] or away[1] ** 2 > most * spread[3]:
-            return False  # outside of it along an axis alone: nearly all are
-        return squared(inverse(spread), away) <= most
+    def _near(self, pairs: list[tuple[Known, Known]]) -> list[tuple[Known, Known]]:
+        """Return those of some pairs that are within each other's gate."""
+        if not pairs:
+            return []
+        columns = self.memory.positions.columns
+        a, b = (columns[:, [pair[k].places[0].row for pair in pairs]] for k in (0, 1))
+        off, _ = likelihood.squared_distances(a[:3] - b[:3], a[3:] + b[3:])
+        return [pairs[k] for k in (off <= self.parameters.gate_sigmas**2).nonzero()[0].tolist()]
 
     def _odds(self, pairs: list[tuple[Known, Known]]) -> list[tuple[float, tuple[Known, Known]]]:
-        """Return the log-odds that pairs are one, of those where a look may say so."""
+        """Return the log-odds that pairs are one, of those that likely are."""
         if not pairs:
             return []
         agreed, differing = self._told(pairs)
@@ -89,7 +79,8 @@ class Evidence:
         pairs = [pairs[k] for k in at.tolist()]
         same, beside = self._looks_told(pairs)
         odds: list[float] = np.logaddexp(agreed[at] + same, differing[at] + beside).tolist()
-        return list(zip(odds, pairs, strict=True))
+        least = self.parameters.merge_odds
+        return [(each, pair) for each, pair in zip(odds, pairs, strict=True) if each >= least]
 
     def _told(self, pairs: list[tuple[Known, Known]]) -> tuple[Floats, Floats]:
         """Return what category and place say of pairs, (k,).
@@ -120,6 +111,20 @@ class Evidence:
         likeness = np.einsum("kd,kd->k", units[::2], units[1::2], dtype=np.float64)
         told = self.looks.against(likeness[None], views, (OTHER, BESIDE))[:, 0]
         return np.where(views > 0, told, 0.0)
+
+
+def _apart(look: Judged) -> Iterator[tuple[Known, Known]]:
+    """Yield what a look did not show, each with what it found and no frame showed beside it."""
+    asked = {thing.number: thing for thing in look.unseen if thing.look_weight > 0}
+    asked |= {thing.number: thing for thing in look.missed}
+    found = [thing for thing in look.found if _is_simple(thing)]
+    for number in sorted(asked):
+        one = asked[number]
+        if found and _is_simple(one):
+            met = one.met
+            for other in found:
+                if other.number not in met and other is not one:
+                    yield one, other
 
 
 def never_together(thing: Known, others: list[Known], ledger: Ledger) -> Known | None:

@@ -210,8 +210,8 @@ class TrackerPipeline:
         self._link(changed)
 
     def _merge(self, looks: list[Judged]) -> list[Known]:
-        """Make one of what a look missed and what it found there; return what is still missed."""
-        for thing, each in self._evidence.likely([(look.missed, look.found) for look in looks]):
+        """Make one of what a look did not show and found there; return what is still missed."""
+        for thing, each in self._evidence.likely(looks):
             likely = [other for other in each if other.row >= 0]
             if thing.row < 0 or not likely:  # one of the found ones was it
                 continue

@@ -413,15 +413,16 @@ def test_of_two_alike_that_left_neither_is_the_one_that_turned_up() -> None:
     assert len(filled(frames).objects()) == 3
 
 
+def cup_at(y: float, look: int | None = 1) -> Detection:
+    return Detection(
+        "cup", 0.9, (28, 20, 36, 28), (2.0, y, 0.0), (0.01, 0, 0, 0, 0.01, 0, 0, 0, 0.01),
+        embedding=None if look is None else colour(look),
+    )  # fmt: skip
+
+
 def test_two_things_that_turn_out_to_be_one_are_made_one() -> None:
     """A first bad position founds a second cup; the looks that find one and miss it join them."""
-
-    def at(y: float) -> Detection:
-        return Detection(
-            "cup", 0.9, (28, 20, 36, 28), (2.0, y, 0.0), (0.01, 0, 0, 0, 0.01, 0, 0, 0, 0.01),
-            embedding=colour(1),
-        )  # fmt: skip
-
+    at = cup_at
     frames = [looking(0, at(0.5), away_m=2.0), looking(2, at(0.5), away_m=2.0)]
     frames += [looking(n, at(-0.2), away_m=2.0) for n in range(4, 12)]
     narrow = DEFAULT.with_changes(space_m3=0.01, move_probability=1.0)
@@ -433,3 +434,20 @@ def test_two_things_that_turn_out_to_be_one_are_made_one() -> None:
     assert record.object_id == "o1"
     assert stay.seen == sum(sighting.seen for sighting in joined.sightings()) == 6
     assert joined.check() == []
+
+
+@pytest.mark.parametrize(("look", "things"), [(1, 1), (None, 2)])
+def test_what_is_one_thing_from_either_side_is_made_one_by_its_look(
+    look: int | None, things: int
+) -> None:
+    """Seen from the other side alone, it is not missed there; without a look it may be another."""
+    narrow = DEFAULT.with_changes(space_m3=0.01, merge_odds=-9.0, move_probability=1.0)
+    frames = [looking(n, cup_at(0.5, look), away_m=2.0) for n in (0, 2)]
+    backward = (0.0, -FORWARD[1], 0.0, FORWARD[3])
+    for n in (4, 6):
+        frame = looking(n, cup_at(-0.2, look), away_m=2.0)
+        assert frame.pose is not None
+        pose = replace(frame.pose, position=(4.0, 0.0, 0.0), quaternion=backward)
+        frames.append(replace(frame, pose=pose))
+        frames.append(looking(n + 1, away_m=2.0))
+    assert len(filled(frames, narrow).objects()) == things
