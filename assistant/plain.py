@@ -9,8 +9,9 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from typing import TextIO
 
-from assistant.session import Session, questions_for
+from assistant.session import Session
 from assistant.slashes import BOX_USAGE, COMMANDS, bare, slashed, unknown
+from assistant.starters import starters
 from assistant.terminal import clean, clean_lines
 from assistant.wording import keyframe_row, more_words, told
 from d3a.answer import Answer
@@ -40,8 +41,9 @@ class PlainChat:
     def welcome(self) -> None:
         """Say whose memory this is and what may be asked."""
         self._say(f"The memory of {clean(self._session.title)}. Type a question, help or quit.")
-        for question in questions_for(self._session):
-            self._say(f"For example: {clean(question)}")
+        for question in starters(self._session):
+            if question is not None:
+                self._say(f"For example: {clean(question)}")
 
     def hear(self, line: str) -> bool:
         """Answer one line; False when the person is done."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from datetime import datetime
 from typing import TYPE_CHECKING
@@ -93,58 +93,3 @@ def known_words(store: Store) -> tuple[str, ...]:
         *sorted(named),
         *(region.name for region in store.regions()),
     )
-
-
-def questions_for(session: Session, count: int = 5) -> tuple[str, ...]:
-    """Return questions that this store can answer, one of each kind, each of them tried.
-
-    The kinds are the paper's (objects, relations, places and times), the last place, and one
-    about a thing that was never seen, as the honest no is worth seeing too.
-    """
-    if session.suggestions:
-        return session.suggestions[:count]
-    kept: list[str] = []
-    for choices in _candidates(session.store):
-        for question in choices:
-            if question not in kept and session.safely(question, alone=True).status == "found":
-                kept.append(question)
-                break
-    return tuple(kept[:count])
-
-
-def _candidates(store: Store) -> Iterator[Sequence[str]]:
-    """Yield, for each kind of question, some that may be answerable, the likeliest first."""
-    small = [name for name, _ in _by_interest(store)]
-    yield [f"Where {_is(name)} the {name}?" for name in small[:4]]
-    pairs = _pairs(store)
-    yield [f"When were the {a} and the {b} seen together?" for a, b in pairs[:4]]
-    yield [f"When did you last see the {name}?" for name in small[1:5]]
-    yield [f"How many {name}s did you see?" for name in small[:4] if not name.endswith("s")]
-    yield [f"Did you ever see a {name}?" for name in small[2:6] if not name.endswith("s")]
-
-
-def _is(noun: str) -> str:
-    """Return the verb for a category: keys and scissors are many, a glass is one."""
-    return "are" if noun.endswith("s") and not noun.endswith("ss") else "is"
-
-
-def _by_interest(store: Store) -> list[tuple[str, int]]:
-    """Return (category, places), things that lie in several places first: those get lost."""
-    category = {thing.object_id: thing.category for thing in store.objects()}
-    places: dict[str, int] = {}
-    for stay in store.stays():
-        if stay.object_id in category:
-            places[category[stay.object_id]] = places.get(category[stay.object_id], 0) + 1
-    return sorted(places.items(), key=lambda pair: (-pair[1], pair[0]))
-
-
-def _pairs(store: Store) -> list[tuple[str, str]]:
-    """Return pairs of different categories that were seen together, the oftenest first."""
-    category = {thing.object_id: thing.category for thing in store.objects()}
-    counted: dict[tuple[str, str], int] = {}
-    for encounter in store.encounters():
-        a, b = category.get(encounter.object_a), category.get(encounter.object_b)
-        if a is not None and b is not None and a != b:
-            pair = (a, b) if a < b else (b, a)
-            counted[pair] = counted.get(pair, 0) + encounter.seen
-    return [pair for pair, _ in sorted(counted.items(), key=lambda item: (-item[1], item[0]))]

@@ -37,7 +37,7 @@ from assistant.ui.picture import Shot
 from assistant.ui.save import save_answer, save_text
 from assistant.ui.sheets import HELP, FloorSheet, LargeSheet, PictureSheet, Sheet, why_text
 from assistant.ui.waiting import Saying, WaitingLine
-from assistant.ui.world import News, World, read_news, survey
+from assistant.ui.world import News, World, in_turn, read_news, survey
 from assistant.wording import keyframe_row, told
 from d3a.answer import Answer, RankedKeyframe
 from d3a.model import D3AError
@@ -70,9 +70,10 @@ class ChatApp(App[None], inherit_bindings=False):
 
     @dataclass
     class Surveyed(Message):
-        """A thread has looked at what the store holds."""
+        """A thread has looked at what the store holds; done: found what may be asked, too."""
 
         world: World
+        is_done: bool
 
     @dataclass
     class Fetched(Message):
@@ -130,15 +131,28 @@ class ChatApp(App[None], inherit_bindings=False):
 
     @work(thread=True, group="survey")
     def _survey(self) -> None:
-        with self._store_lane:
-            self.post_message(self.Surveyed(survey(self._session)))
+        """Look at the store a step at a time: a question that comes meanwhile waits for one."""
+        steps = in_turn(survey(self._session), self._store_lane)
+        world = next(steps)
+        self.post_message(self.Surveyed(world, is_done=False))
+        while not self._asked:  # then nobody needs examples any more
+            following = next(steps, None)
+            if following is None:
+                self.post_message(self.Surveyed(world, is_done=True))
+                break
+            world = following
         with self._store_lane:  # the first question builds the grammar: 0.1 s to wait for
             self._session.safely("where is it?", alone=True)
 
     def on_chat_app_surveyed(self, message: Surveyed) -> None:
-        """Show whose memory this is and what it can answer."""
-        self._world = message.world
-        self.chat.show_world(message.world, talking=self._waiting or self._answer is not None)
+        """Show whose memory this is, and when it is known, what it can answer."""
+        if not message.is_done:
+            self._world = message.world
+            self.chat.show_world(self._world)
+        elif not self._asked:
+            self._world = message.world
+            self.chat.show_world(self._world)
+            self.chat.show_welcome()
 
     def ask(self, text: str) -> None:
         """Ask a question; its answer comes by itself, an older one no more."""

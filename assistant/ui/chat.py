@@ -190,16 +190,17 @@ class ChatScreen(Screen[None]):
     def _say(self, words: Text) -> None:
         self.query_one("#exchange", Static).update(words)
 
-    def show_world(self, world: World, *, talking: bool) -> None:
-        """Take in what the store holds; talking: a question was asked already."""
+    def show_welcome(self) -> None:
+        """Greet, with questions to start from: nothing was asked yet."""
         if self._is_left:
             return
-        self._take_in(world)
-        if not talking:
-            self._say(welcome(world))
-            self.query_one(QuestionList).show_questions(world.questions)
+        self._say(welcome(self._world))
+        self.query_one(QuestionList).show_questions(self._world.questions)
 
-    def _take_in(self, world: World) -> None:
+    def show_world(self, world: World) -> None:
+        """Take in what the store holds."""
+        if self._is_left:
+            return
         self._world = world
         self._show_header()
         self.query_one(Prompt).known.words = world.words
@@ -252,7 +253,7 @@ class ChatScreen(Screen[None]):
         self.query_one(FloorView).keyframes = rows
         timeline = self.query_one(Timeline)
         timeline.now, timeline.keyframes = now, rows
-        self._take_in(world)
+        self.show_world(world)
         if not rows:
             self.show_shot(None)
 
@@ -260,7 +261,7 @@ class ChatScreen(Screen[None]):
         """Keep an answer that came after something newer was said."""
         if not self._is_left:
             self._remember(answer)
-            self._take_in(world)
+            self.show_world(world)
 
     def _remember(self, answer: Answer) -> None:
         self._earlier = [exchange(answer), *self._earlier][:EXCHANGES_KEPT]

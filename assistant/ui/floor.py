@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from assistant.lately import lately
 from assistant.terminal import clean, shorten, width_of
 from d3a.answer import RankedKeyframe
 from d3a.store.base import Region, Store
@@ -34,10 +35,14 @@ class Mark:
 
 
 def read_floor(store: Store) -> Floor:
-    """Return the floor of a store: rooms, the places of its stays, the newest known pose."""
+    """Return the floor of a store: rooms, places where it saw things, the newest known pose.
+
+    Of a large store the places are those of lately.
+    """
+    stays = sorted({sighting.stay for sighting in lately(store)})
     places = {
         (round(stay.position[0], 1), round(stay.position[1], 1))
-        for stay in store.stays()
+        for stay in store.stays_at(stays)
         if stay.position is not None
     }
     newest = store.last_view_ms()

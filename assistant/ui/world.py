@@ -5,9 +5,12 @@ It is read once when the chat opens, and what people taught since with each answ
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
 
-from assistant.session import Session, known_words, questions_for
+from assistant.session import Session, known_words
+from assistant.starters import starters
 from assistant.ui.floor import Floor, read_floor
 from d3a.constraints import SAID
 from d3a.model import D3AError
@@ -51,21 +54,38 @@ class World:
         )
 
 
-def survey(session: Session) -> World:
-    """Look at a whole store; what fails is told as the world's problem."""
+def survey(session: Session) -> Iterator[World]:
+    """Look at a store, and yield what is known of it after each step; the last is all.
+
+    The questions to start from come last, one a step. What fails is told as the world's problem.
+    """
     store = session.store
     try:
-        return World(
+        world = World(
             floor=read_floor(store),
             words=known_words(store),
-            questions=questions_for(session),
             newest_ms=store.last_view_ms(),
             lessons=store.meta(SAID),
         )
+        yield world
+        for question in starters(session):
+            if question is not None:
+                world = replace(world, questions=(*world.questions, question))
+            yield world
     except D3AError as error:
-        return World(problem=str(error))
+        yield World(problem=str(error))
     except Exception as error:  # a chat outlives a defect, and shows it
-        return World(problem=f"{type(error).__name__}: {error}")
+        yield World(problem=f"{type(error).__name__}: {error}")
+
+
+def in_turn(steps: Iterator[World], lane: AbstractContextManager[object]) -> Iterator[World]:
+    """Take each step within `lane`, and leave it to others in between."""
+    while True:
+        with lane:
+            step = next(steps, None)
+        if step is None:
+            return
+        yield step
 
 
 def read_news(store: Store, world: World) -> News:

@@ -12,6 +12,7 @@ from PIL import Image
 from textual.command import CommandList, CommandPalette
 from textual.widgets import Static
 
+from assistant.ui.app import ChatApp
 from assistant.ui.floor import marks_of
 from assistant.ui.history import History
 from assistant.ui.lists import KeyframeList, QuestionList
@@ -24,7 +25,7 @@ from d3a.store.base import Keyframe, StoreUnreachable
 from grammar import parse
 from tests.worlds import small_home
 from tests.worlds.oracle import OracleStore
-from tests.worlds.running_chat import QUESTION, chat
+from tests.worlds.running_chat import QUESTION, Chat, chat
 
 
 async def test_the_first_screen_offers_questions_that_have_answers() -> None:
@@ -40,6 +41,29 @@ async def test_the_first_screen_offers_questions_that_have_answers() -> None:
         await c.pilot.press("2", "enter")
         await c.until(lambda: "together" in c.said())
         assert len(c.rows()) == 3
+
+
+async def test_a_question_goes_before_the_search_for_examples() -> None:
+    store = OracleStore()
+    small_home.fill(store)
+    tried: list[str] = []
+    goes_on = threading.Event()
+
+    def slowly(text: str) -> Answer:
+        tried.append(text)
+        goes_on.wait(10.0)
+        return Answer(text=text, status="not_found")  # so that the next is tried as well
+
+    app = ChatApp(replace(small_home.session(store), alone=slowly))
+    async with app.run_test(size=(80, 24)) as pilot:
+        c = Chat(app, pilot)
+        await c.until(lambda: bool(tried))
+        assert "memory up to" in str(app.chat.query_one("#header", Static).content)
+        await c.type(QUESTION)
+        await c.until(lambda: app._asked == 1)
+        goes_on.set()
+        await c.until(lambda: "On the kitchen table." in c.said())
+    assert [text for text in tried if text != "where is it?"] == tried[:1]
 
 
 async def test_enter_asks_and_shows_sentence_list_picture_and_map() -> None:
@@ -594,7 +618,8 @@ async def test_what_comes_while_the_chat_is_left_is_dropped() -> None:
         await c.app.chat.query_one("#body").remove()  # as textual does, one part after the other
         c.app.chat.show_shot(shot)
         c.app.chat.show_answer(small_home.found("late"), world)
-        c.app.chat.show_world(world, talking=False)
+        c.app.chat.show_world(world)
+        c.app.chat.show_welcome()
         c.app.chat.step(1)
         await c.pilot.resize_terminal(100, 30)
         await c.pilot.press("ctrl+q")
