@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 import sys
 from datetime import datetime
 from typing import TYPE_CHECKING
@@ -15,6 +16,7 @@ from assistant.terminal import is_terminal, why_not_full_screen
 
 if TYPE_CHECKING:
     from assistant.config import Settings
+    from assistant.history import History
     from assistant.session import Session
     from d3a.store.base import Store
 
@@ -84,20 +86,19 @@ def hold(
 
     served: a browser is the screen.
     """
-    why_not = None if served else why_not_full_screen()
-    if plain or why_not is not None:
-        from assistant.plain import talk
+    from assistant.config import user_state
+    from assistant.history import History
 
+    why_not = None if served else why_not_full_screen()
+    history = History(user_state() / "questions.jsonl") if settings.history else History()
+    if plain or why_not is not None:
         if not plain and not settings.quiet and is_terminal(sys.stderr):
             click.echo(f"d3a: {why_not}, so the chat is held line by line", err=True)
-        talk(session, sys.stdin, sys.stdout, ask_for_lines=is_terminal(sys.stdin))
+        hold_plain(session, settings, history)
         return
-    from assistant.config import user_state
     from assistant.protocols import PIXELS, choose
     from assistant.ui.app import ChatApp
-    from assistant.ui.history import History
 
-    history = History(user_state() / "questions.jsonl") if settings.history else History()
     chosen = choose(settings.images)
     if chosen.kind in PIXELS:
         from assistant.ui import pixels
@@ -108,3 +109,28 @@ def hold(
     )
     app.chat.typed = chosen.typed
     app.run()
+
+
+def hold_plain(session: Session, settings: Settings, history: History) -> None:
+    """Hold the conversation line by line: with a person at the terminal, or with a pipe."""
+    from assistant.lines import typed_lines
+    from assistant.plain import PlainChat, talk, wrapped
+    from assistant.session import known_words
+    from assistant.speaking import Voice
+    from d3a.model import D3AError
+
+    def say(line: str) -> None:
+        width = shutil.get_terminal_size().columns if is_terminal(sys.stdout) else 0
+        click.echo(wrapped(line, width) if width else line)
+
+    voice = Voice(settings.speak)
+    if not is_terminal(sys.stdin):  # what a script asks is nobody's earlier question
+        talk(PlainChat(session, say, voice=voice), sys.stdin)
+        return
+    chat = PlainChat(session, say, echoes=False, history=history, voice=voice)
+    chat.welcome()
+    try:
+        words = known_words(session.store)
+    except D3AError:  # said by the greeting; the talk goes on without completing words
+        words = ()
+    talk(chat, typed_lines(history, words, say))

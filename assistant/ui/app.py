@@ -6,7 +6,6 @@ answer never replaces a newer one. `chat.ChatScreen` shows what comes of it.
 
 from __future__ import annotations
 
-import os
 import threading
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -21,24 +20,25 @@ from textual.message import Message
 from textual.screen import Screen
 from textual.widgets import Input
 
+from assistant.clipboard import copied
+from assistant.history import History
 from assistant.protocols import Kind
+from assistant.reasons import why_text
+from assistant.saving import answer_text, saved
 from assistant.session import Session
 from assistant.slashes import BOX_USAGE, COMMANDS, Command, bare, unknown
 from assistant.speaking import Voice
 from assistant.terminal import clean
 from assistant.ui.chat import ChatScreen
-from assistant.ui.clipboard import copied_here, takes_osc_52
 from assistant.ui.commands import HIGH_CONTRAST
-from assistant.ui.history import History
 from assistant.ui.keys import APP_KEYS, keys_said
 from assistant.ui.lists import KeyframeList, QuestionList
 from assistant.ui.palette import Palette
 from assistant.ui.picture import Shot
-from assistant.ui.save import save_answer, save_text
-from assistant.ui.sheets import HELP, FloorSheet, LargeSheet, PictureSheet, Sheet, why_text
+from assistant.ui.sheets import HELP, FloorSheet, LargeSheet, PictureSheet, Sheet
 from assistant.ui.waiting import Saying, WaitingLine
 from assistant.ui.world import News, World, in_turn, read_news, survey
-from assistant.wording import keyframe_row, told
+from assistant.wording import told
 from d3a.answer import Answer, RankedKeyframe
 from d3a.model import D3AError
 from d3a.store.base import Keyframe
@@ -321,39 +321,19 @@ class ChatApp(App[None], inherit_bindings=False):
         if self._answer is None:
             self._nothing_yet("answer")
             return
-        try:
-            written = save_answer(self._answer, self.chat.shot, self._saves, self.chat.now)
-        except OSError as error:
-            words = f"{self._saves} cannot be written: {error.strerror or error}"
-            self.notify(words, severity="error", markup=False)
-            return
-        self.notify(f"Saved {len(written)} files in {self._saves}", markup=False)
+        shot = self.chat.shot
+        keyframe, picture = (shot.keyframe, shot.picture) if shot else (None, None)
+        words, failed = saved(self._answer, keyframe, picture, self._saves, self.chat.now)
+        self.notify(words, severity="error" if failed else "information", markup=False)
 
     def action_copy_answer(self) -> None:
         """Copy the answer and its rows: by the desktop, else by the terminal, else to a file."""
         if self._answer is None:
             self._nothing_yet("answer")
             return
-        lines = [clean(self._answer.answer or self._answer.message or "")]
-        for keyframe in self._answer.keyframes:
-            lines.append(f"{keyframe.rank}  " + ", ".join(keyframe_row(keyframe, self.chat.now)))
-        text = "\n".join(lines)
+        text = answer_text(self._answer, self.chat.now)
         self.copy_to_clipboard(text)  # textual keeps it too, for pasting in the chat
-        if copied_here(text):
-            self.notify("Copied.", markup=False)
-        elif takes_osc_52(os.environ):
-            self.notify("Copied, if the terminal allows it. F6 saves a file.", markup=False)
-        else:
-            self._save_copy(text)
-
-    def _save_copy(self, text: str) -> None:
-        try:
-            path = save_text(text, self._saves)
-        except OSError as error:
-            words = f"Nothing could be copied, and {self._saves} cannot be written: "
-            self.notify(words + (error.strerror or ""), severity="error", markup=False)
-            return
-        self.notify(f"This terminal has no clipboard for it: saved {path}", markup=False)
+        self.notify(copied(text, self._saves, by_terminal=True), markup=False)
 
     def action_speak(self) -> None:
         """Speak the answer aloud; again: stop."""

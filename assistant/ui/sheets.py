@@ -23,7 +23,7 @@ from assistant.ui.footer import SheetFoot
 from assistant.ui.keys import closing
 from assistant.ui.panels import FloorView
 from assistant.ui.picture import PictureView, Shot, caption
-from assistant.wording import how_sure, place_words, short_time
+from assistant.wording import place_words, short_time
 
 if TYPE_CHECKING:
     from datetime import datetime
@@ -67,9 +67,6 @@ Each key has a word too: /help /picture /map /speak /large /save /why /copy
 /undo /taught /forget (the questions of earlier chats) /quit
 
 Letters too small? Make them larger in your terminal, mostly by Ctrl and +."""
-
-_SAID_ABOVE = ("query ", "times ")
-"""How the lines of an explanation begin that say what the answer says itself."""
 
 
 class Overlay(ModalScreen[None]):
@@ -319,36 +316,3 @@ def large_text(answer: Answer) -> Text:
         part.strip() for part in words.replace("? ", "?\n").replace(". ", ".\n").split("\n")
     ]
     return Text("\n\n".join(part for part in sentences if part), style="bold")
-
-
-def why_text(answer: Answer, keyframe: RankedKeyframe | None, explanation: str) -> str:
-    """Return why this answer: the formal query, the score's parts, the plan and its queries."""
-    lines = [f"Question   {answer.text}"]
-    if answer.query is not None:
-        lines += [f"Formal     {answer.query.formal}", f"Form       {answer.query.form}"]
-    lines.append(f"Status     {answer.status}" + (f", {answer.reason}" if answer.reason else ""))
-    if keyframe is not None:
-        lines += ["", f"Keyframe {keyframe.rank}   {keyframe.category}, frame {keyframe.frame}"]
-        lines.append(f"  score      {keyframe.score:.2f} ({how_sure(keyframe)})")
-        lines += [f"  {name:<10} {_part(value)}" for name, value in keyframe.why.items()]
-        lines.append(f"  object     {keyframe.object_id}")
-    if answer.elapsed_ms:
-        spent = ", ".join(f"{name} {ms:.1f} ms" for name, ms in answer.elapsed_ms.items())
-        lines += ["", f"Time       {spent}"]
-    if explanation:
-        lines += ["", _beside(explanation)]
-    return "\n".join(lines)
-
-
-def _beside(explanation: str) -> str:
-    """Return an explanation without its query and times: the answer's own stand above it."""
-    kept = (line for line in explanation.splitlines() if not line.startswith(_SAID_ABOVE))
-    return "\n".join(kept).strip("\n")
-
-
-def _part(value: object) -> str:
-    if isinstance(value, dict):
-        return ", ".join(f"{name} {_part(part)}" for name, part in value.items()) or "-"
-    if isinstance(value, list | tuple):
-        return ", ".join(map(_part, value)) or "-"
-    return f"{value:.2f}" if isinstance(value, float) else str(value)

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import io
-
 import pytest
 
 from assistant.asking import ask
-from assistant.plain import talk
+from assistant.plain import PlainChat, talk
 from assistant.session import Session
 from assistant.wording import answer_lines
 from d3a.answer import Answer
@@ -160,5 +158,5 @@ def test_a_place_that_is_offered_is_chosen_by_its_number(home: Home) -> None:
         return ask(store, text, now=NOW)
 
     session = Session(store, answered, lambda _: "", lambda: NOW)
-    talk(session, io.StringIO("what is in the bathroom?\n1\n"), io.StringIO(), ask_for_lines=False)
+    talk(PlainChat(session, lambda _: None), ["what is in the bathroom?", "1"])
     assert heard == ["what is in the bathroom?", "1"]

@@ -9,13 +9,12 @@ import sys
 import time
 import uuid
 from collections.abc import Callable, Iterator
-from contextlib import closing
 from pathlib import Path
 
 import pytest
 
-from d3a.store import open_store
-from tests.worlds import small_home, terminals
+from tests.worlds import terminals
+from tests.worlds.bare import bare
 
 ROOT = Path(__file__).parents[2]
 PROGRAM = """
@@ -141,24 +140,8 @@ def test_an_idle_chat_sends_nothing(tmp_path: Path) -> None:
         assert terminal.process.wait(timeout=60) == 0
 
 
-def _bare(tmp_path: Path) -> tuple[list[str], dict[str, str]]:
-    """Return what runs `d3a` and nothing else, over the fixed home and with no settings."""
-    with closing(open_store(str(tmp_path / "home.db"))) as store:
-        small_home.fill(store)
-    kept = {name: os.environ[name] for name in ("PATH", "SYSTEMROOT") if name in os.environ}
-    environment = kept | {
-        "HOME": str(tmp_path),
-        "LANG": "C.UTF-8",
-        "TERM": "xterm-256color",
-        "PYTHONPATH": str(ROOT),
-        "D3A_STORE": str(tmp_path / "home.db"),
-        "D3A_IMAGES": "cells",
-    }
-    return [sys.executable, "-m", "assistant.cli"], environment
-
-
 def test_bare_d3a_opens_the_chat_on_a_terminal(tmp_path: Path) -> None:
-    command, environment = _bare(tmp_path)
+    command, environment = bare(tmp_path)
     with terminals.opened(command, environment, cwd=tmp_path, size=(24, 80)) as terminal:
         terminal.read_until(b"\x1b[?1049h")  # the alternate screen: not line by line
         terminal.read_until(b"Ask:")
@@ -171,7 +154,7 @@ def test_bare_d3a_opens_the_chat_on_a_terminal(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("term", ["xterm-256color", "dumb"])
 def test_bare_d3a_prints_its_help_off_a_terminal(tmp_path: Path, term: str) -> None:
-    command, environment = _bare(tmp_path)
+    command, environment = bare(tmp_path)
     done = subprocess.run(
         command,
         cwd=tmp_path,

@@ -322,7 +322,7 @@ def test_the_chat_understands_follow_ups_through_a_pipe(run: Run, filled: str) -
     assert "1 of 1: keys" in result.stdout
     assert "You: and the bowl?" in result.stdout
     assert "1 of 1: bowl" in result.stdout
-    assert "query   bowl(x)" in result.stdout  # why: of the query it became
+    assert "Formal     bowl(x)" in result.stdout  # why: of the query it became
     assert "not looking" in result.stdout.partition("You: what about yesterday?")[2]
 
 

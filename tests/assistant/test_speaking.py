@@ -9,9 +9,9 @@ from pathlib import Path
 
 import pytest
 
+from assistant.clipboard import copied_here, takes_osc_52
+from assistant.saving import card_text, plain
 from assistant.speaking import NONE_FOUND, Voice, speaker, where_it_sounds
-from assistant.ui.clipboard import copied_here, takes_osc_52
-from assistant.ui.save import card_text, plain
 from tests.worlds import small_home
 from tests.worlds.running_chat import chat
 
@@ -72,7 +72,7 @@ async def test_f4_speaks_the_answer(tmp_path: Path) -> None:
 
 def test_copying_by_the_desktop_or_not(monkeypatch: pytest.MonkeyPatch) -> None:
     script = "import sys; sys.exit(0 if sys.stdin.read() == 'text' else 1)"
-    monkeypatch.setattr("assistant.ui.clipboard._COMMANDS", [("", (sys.executable, "-c", script))])
+    monkeypatch.setattr("assistant.clipboard._COMMANDS", [("", (sys.executable, "-c", script))])
     which = has(sys.executable)
     assert copied_here("text", {}, which)
     assert not copied_here("other", {}, which)
@@ -87,7 +87,7 @@ async def test_what_cannot_be_copied_is_a_file(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("TERM", "linux")
-    monkeypatch.setattr("assistant.ui.app.copied_here", lambda text: False)
+    monkeypatch.setattr("assistant.clipboard._COMMANDS", [])
     async with chat(saves=tmp_path / "saved") as c:
         await c.ask()
         await c.pilot.press("f8")

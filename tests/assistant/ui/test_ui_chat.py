@@ -12,13 +12,14 @@ from PIL import Image
 from textual.command import CommandList, CommandPalette
 from textual.widgets import Static
 
+from assistant.history import History
+from assistant.reasons import why_text
 from assistant.ui.app import ChatApp
 from assistant.ui.floor import marks_of
-from assistant.ui.history import History
 from assistant.ui.lists import KeyframeList, QuestionList
 from assistant.ui.panels import FloorView
 from assistant.ui.picture import PictureView
-from assistant.ui.sheets import FloorSheet, LargeSheet, PictureSheet, Sheet, why_text
+from assistant.ui.sheets import FloorSheet, LargeSheet, PictureSheet, Sheet
 from d3a.answer import Answer
 from d3a.plan import plan
 from d3a.store.base import Keyframe, StoreUnreachable

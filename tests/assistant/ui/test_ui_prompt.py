@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from assistant.ui.history import KEPT, History
-from assistant.ui.prompt import completion
+from assistant.history import KEPT, History
+from assistant.suggesting import completion
 
 EARLIER = ("where is the cup?", "Where are my keys?")
 WORDS = ("glasses", "dining table", "table", "keys")

@@ -10,6 +10,9 @@ import os
 import shutil
 import subprocess
 from collections.abc import Callable, Mapping
+from pathlib import Path
+
+from assistant.saving import save_text
 
 _COMMANDS = (
     ("WAYLAND_DISPLAY", ("wl-copy",)),
@@ -56,3 +59,21 @@ def copied_here(
         if done.returncode == 0:
             return True
     return False
+
+
+def copied(
+    text: str, folder: Path, *, by_terminal: bool, environ: Mapping[str, str] = os.environ
+) -> str:
+    """Copy by the desktop, else leave it to the terminal, else write a file; return what to tell.
+
+    by_terminal: the text was sent to the terminal too (OSC 52), which may or may not take it.
+    """
+    if copied_here(text, environ):
+        return "Copied."
+    if by_terminal and takes_osc_52(environ):
+        return "Copied, if the terminal allows it. F6 saves a file."
+    try:
+        path = save_text(text, folder)
+    except OSError as error:
+        return f"Nothing could be copied, and {folder} cannot be written: {error.strerror or ''}"
+    return f"There is no clipboard for it here: saved {path.absolute()}"

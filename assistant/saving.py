@@ -13,28 +13,60 @@ from assistant.terminal import clean
 from assistant.wording import keyframe_row
 
 if TYPE_CHECKING:
-    from assistant.ui.picture import Shot
-    from d3a.answer import Answer
+    from d3a.answer import Answer, RankedKeyframe
+    from d3a.store.base import Keyframe
 
 _MARKDOWN = re.compile(r"([\\`*_{}\[\]<>()#+!|~-])")
 _ROWS = 10
 
 
-def save_answer(answer: Answer, shot: Shot | None, folder: Path, now: datetime) -> list[Path]:
-    """Return the files written; earlier ones are never overwritten. Raises OSError."""
+def answer_text(answer: Answer, now: datetime) -> str:
+    """Return an answer and its rows, a line each."""
+    lines = [clean(answer.answer or answer.message or "")]
+    for keyframe in answer.keyframes:
+        lines.append(f"{keyframe.rank}  " + ", ".join(keyframe_row(keyframe, now)))
+    return "\n".join(lines)
+
+
+def saved(
+    answer: Answer,
+    keyframe: RankedKeyframe | None,
+    picture: Keyframe | None,
+    folder: Path,
+    now: datetime,
+) -> tuple[str, bool]:
+    """Save an answer; return what to tell of it, and whether it failed."""
+    try:
+        written = save_answer(answer, keyframe, picture, folder, now)
+    except OSError as error:
+        return f"{folder} cannot be written: {error.strerror or error}", True
+    return f"Saved {len(written)} files in {folder.absolute()}", False
+
+
+def save_answer(
+    answer: Answer,
+    keyframe: RankedKeyframe | None,
+    picture: Keyframe | None,
+    folder: Path,
+    now: datetime,
+) -> list[Path]:
+    """Return the files written; earlier ones are never overwritten. Raises OSError.
+
+    picture: that of the keyframe, None where none is stored.
+    """
     folder.mkdir(parents=True, exist_ok=True)
     words = re.sub(r"[^a-z0-9]+", "-", answer.text.lower()).strip("-")[:40] or "answer"
     written = [_free(folder, words, ".json")]
     record = json.dumps(answer.to_json(), ensure_ascii=False, indent=2)
     written[0].write_text(record + "\n", encoding="utf-8")
-    picture: Path | None = None
-    if shot is not None and shot.picture is not None:
-        png = boxed_png(shot.picture, shot.keyframe.box, shot.keyframe.category)
-        picture = _free(folder, f"{words}-{file_stem(shot.keyframe)}", ".png")
-        picture.write_bytes(png)
-        written.append(picture)
+    drawn: Path | None = None
+    if keyframe is not None and picture is not None:
+        png = boxed_png(picture, keyframe.box, keyframe.category)
+        drawn = _free(folder, f"{words}-{file_stem(keyframe)}", ".png")
+        drawn.write_bytes(png)
+        written.append(drawn)
     card = _free(folder, words, ".md")
-    card.write_text(card_text(answer, picture, now), encoding="utf-8")
+    card.write_text(card_text(answer, drawn, now), encoding="utf-8")
     return [card, *written]
 
 
