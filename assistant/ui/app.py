@@ -35,7 +35,7 @@ from assistant.ui.keys import APP_KEYS, keys_said
 from assistant.ui.lists import KeyframeList, QuestionList
 from assistant.ui.palette import Palette
 from assistant.ui.picture import Shot
-from assistant.ui.sheets import HELP, FloorSheet, LargeSheet, PictureSheet, Sheet
+from assistant.ui.sheets import HELP, FloorSheet, LargeSheet, Page, PictureSheet, Sheet
 from assistant.ui.waiting import Saying, WaitingLine
 from assistant.ui.world import News, World, in_turn, read_news, survey
 from assistant.wording import told
@@ -246,14 +246,20 @@ class ChatApp(App[None], inherit_bindings=False):
         elif text.startswith("/") or bare(text):
             self._do(bare(text) or text[1:].lower())
         elif text:
-            self.ask(text)
+            self.ask(self._example(text) or text)
+
+    def _example(self, text: str) -> str | None:
+        """Return the question of the first screen that a number names, before anything is asked."""
+        if self._asked or not (text.isascii() and text.isdigit()):
+            return None
+        return dict(enumerate(self._world.questions, 1)).get(int(text))
 
     def _do(self, word: str) -> None:
         if word in COMMANDS:
             self._run(COMMANDS[word])
         else:
             words = BOX_USAGE if word == "box" else unknown(word, [*COMMANDS, "box"])
-            self.notify(words, markup=False)
+            self.chat.show_remark(f"/{word}", words)
 
     def on_question_list_taken(self, message: QuestionList.Taken) -> None:
         """Ask one of the questions offered."""
@@ -271,6 +277,10 @@ class ChatApp(App[None], inherit_bindings=False):
     def on_picture_sheet_boxed(self, message: PictureSheet.Boxed) -> None:
         """Say the box that was drawn; what is in it, the person says next."""
         self.ask("box " + " ".join(f"{edge:.0f}" for edge in message.box))
+
+    def on_page_typed_on(self, message: Page.TypedOn) -> None:
+        """Go on in the question line with what was typed over a sheet."""
+        self.chat.type_on(message.text)
 
     def action_help(self) -> None:
         """Show keys and examples."""

@@ -24,7 +24,7 @@ from assistant.terminal import clean, width_of
 from assistant.ui.footer import KeyLine
 from assistant.ui.keys import SCREEN_KEYS
 from assistant.ui.lists import KeyframeList, QuestionList
-from assistant.ui.panels import FloorView, Timeline, exchange
+from assistant.ui.panels import FloorView, Timeline, asked, exchange
 from assistant.ui.picture import PictureView, Shot, caption
 from assistant.ui.prompt import Prompt
 from assistant.ui.sheets import Sheet
@@ -33,10 +33,15 @@ from assistant.wording import from_ms, short_time
 from d3a.answer import Answer, RankedKeyframe
 
 EXCHANGES_KEPT = 50
+TYPE_A_QUESTION = "type a question, then Enter"
+GO_ON = "go on: and yesterday?   not this one   when was that?"
 
 
-def welcome(world: World) -> Text:
-    """Return the first words: what may be asked, or why nothing can be."""
+def welcome(world: World, *, brief: bool = False) -> Text:
+    """Return the first words: what may be asked, or why nothing can be.
+
+    brief: where each row is needed for the questions below.
+    """
     if world.problem is not None:
         problem = clean(world.problem)
         return Text(f"I cannot reach my memory.\n{problem}\nAsk again in a moment.")
@@ -44,6 +49,8 @@ def welcome(world: World) -> Text:
         return Text("I have seen nothing yet.\nFill this memory: d3a ingest SOURCE --store ...")
     known = ", ".join(clean(word) for word in world.words[:12])
     more = " and more" if len(world.words) > 12 else ""
+    if brief:
+        return Text("Ask me where things were. Down and Enter, or type:", style="bold")
     words = Text("Ask me where things were.\n", style="bold")
     words.append(f"I know {known}{more}.", style="not bold")
     if world.questions:
@@ -137,7 +144,8 @@ class ChatScreen(Screen[None]):
         yield Static(id="header", markup=False)
         with Container(id="body"):
             with Container(id="talk"):
-                yield Static(id="exchange", markup=False)
+                with VerticalScroll(id="exchange-pane", can_focus=False):
+                    yield Static(id="exchange", markup=False)
                 yield KeyframeList(id="keyframes")
                 yield QuestionList(id="questions")
                 with VerticalScroll(id="earlier", can_focus=False):
@@ -157,7 +165,7 @@ class ChatScreen(Screen[None]):
         yield Static("Please make the window larger.", id="too-small", markup=False)
         with Horizontal(id="ask"):
             yield Static("Ask:", id="ask-word", markup=False)
-            yield Prompt(placeholder="where are my keys?", id="prompt")
+            yield Prompt(placeholder=TYPE_A_QUESTION, id="prompt")
         yield KeyLine()
 
     def on_mount(self) -> None:
@@ -178,6 +186,8 @@ class ChatScreen(Screen[None]):
         self.query_one("#picture", PictureView).whole = self.has_class("-wide")
         self._show_caption()
         self._show_header()
+        if self.query_one(QuestionList).option_count and self.has_class("-idle"):
+            self._greet()
         if self.focused is None:  # a window too small hides the question line, and its focus
             self.focus_prompt()
 
@@ -189,13 +199,18 @@ class ChatScreen(Screen[None]):
 
     def _say(self, words: Text) -> None:
         self.query_one("#exchange", Static).update(words)
+        self.query_one("#exchange-pane").scroll_home(animate=False)
 
     def show_welcome(self) -> None:
         """Greet, with questions to start from: nothing was asked yet."""
         if self._is_left:
             return
-        self._say(welcome(self._world))
+        self._greet()
         self.query_one(QuestionList).show_questions(self._world.questions)
+
+    def _greet(self) -> None:
+        is_small = any(map(self.has_class, ("-small", "-flat")))
+        self._say(welcome(self._world, brief=is_small and bool(self._world.questions)))
 
     def show_world(self, world: World) -> None:
         """Take in what the store holds."""
@@ -222,8 +237,11 @@ class ChatScreen(Screen[None]):
         """Say that an answer takes a while."""
         if self._is_left:
             return
-        words = Text(f"You: {clean(text)}\n", style="dim")
-        self._say(words.append("Looking ... (Esc stops)", style="not dim"))
+        self._say(asked(text).append("Looking ... (Esc stops)", style="not dim"))
+
+    def show_remark(self, typed: str, words: str) -> None:
+        """Say something of what was typed that is no answer; what is listed stays."""
+        self._say(asked(typed).append(clean(words), style="not dim"))
 
     def show_stopped(self) -> None:
         """Say that nothing is waited for any more."""
@@ -246,6 +264,7 @@ class ChatScreen(Screen[None]):
         self.remove_class("-idle").add_class("-answered")
         self.set_class(bool(answer.suggestions) and not rows, "-suggesting")
         self.set_class(not rows, "-nothing")
+        self.query_one(Prompt).placeholder = GO_ON if rows else TYPE_A_QUESTION
         self._say(exchange(answer))
         at = next((i for i, each in enumerate(rows) if each == pointed), 0)
         self.query_one(KeyframeList).show_keyframes(rows, now, at)
@@ -299,11 +318,15 @@ class ChatScreen(Screen[None]):
 
     def on_key(self, event: Key) -> None:
         """Let typing anywhere in the chat go on in the question line."""
-        prompt = self.query_one(Prompt)
-        if event.is_printable and not prompt.has_focus:
-            prompt.focus()
-            prompt.insert_text_at_cursor(event.character or "")
+        if event.is_printable and not self.query_one(Prompt).has_focus:
+            self.type_on(event.character or "")
             event.stop()
+
+    def type_on(self, text: str) -> None:
+        """Go on in the question line with what was typed elsewhere."""
+        prompt = self.query_one(Prompt)
+        prompt.focus()
+        prompt.insert_pasted(text)
 
     def action_earlier(self, pages: int) -> None:
         """Scroll in the conversation; where it has no pane it comes as a sheet."""

@@ -22,9 +22,18 @@ if TYPE_CHECKING:
     from d3a.answer import Answer, RankedKeyframe
 
 
+LONGEST_QUESTION = 200
+"""The cells of a question that are shown: what was pasted must not push its answer away."""
+
+
+def asked(question: str) -> Text:
+    """Return the line of a question."""
+    return Text(f"You: {shorten(clean(question), LONGEST_QUESTION)}\n", style="dim")
+
+
 def exchange(answer: Answer) -> Text:
     """Return a question and its answer; what a person and a recording said stays plain text."""
-    text = Text(f"You: {clean(answer.text)}\n", style="dim")
+    text = asked(answer.text)
     sentence, reason = told(answer)
     text.append(clean(sentence), style="not dim bold")
     more = more_words(answer) if answer.query is not None else ""

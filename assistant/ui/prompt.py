@@ -35,6 +35,8 @@ class Prompt(Input):
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("up", "earlier", "Earlier question", show=False),
         Binding("down", "later", "Later question", show=False),
+        # Enter, where it was typed before the chat stood there and the terminal was a shell's
+        Binding("ctrl+j", "submit", "Ask", show=False),
     ]
 
     @dataclass
@@ -80,7 +82,11 @@ class Prompt(Input):
         self.cursor_position = len(text)
 
     def _on_paste(self, event: Paste) -> None:
-        """Take all of what is pasted or dictated: its lines become one."""
+        """Take all of what is pasted or dictated."""
         event.prevent_default()
         event.stop()
-        self.insert_text_at_cursor(" ".join(clean(event.text).split()))
+        self.insert_pasted(event.text)
+
+    def insert_pasted(self, text: str) -> None:
+        """Insert what came at once: its lines become one."""
+        self.insert_text_at_cursor(" ".join(clean(text).split()) or clean(text))

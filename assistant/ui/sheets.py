@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, ClassVar
 from rich.text import Text
 from textual.binding import Binding, BindingType
 from textual.containers import VerticalScroll
-from textual.events import MouseDown, MouseMove, MouseUp
+from textual.events import Key, MouseDown, MouseMove, MouseUp, Paste
 from textual.message import Message
 from textual.screen import ModalScreen
 from textual.widgets import Static
@@ -21,7 +21,7 @@ from assistant.ui.boxing import first_box, grown, moved, spanned
 from assistant.ui.floor import marks_of
 from assistant.ui.footer import SheetFoot
 from assistant.ui.keys import closing
-from assistant.ui.panels import FloorView
+from assistant.ui.panels import FloorView, asked
 from assistant.ui.picture import PictureView, Shot, caption
 from assistant.wording import place_words, short_time
 
@@ -78,10 +78,51 @@ class Overlay(ModalScreen[None]):
 
     def action_dismiss_sheet(self) -> None:
         """Go back to the chat."""
-        self.dismiss()
+        self.leave()
+
+    def leave(self) -> None:
+        """Go back to the chat, once: keys that come in a burst may say it several times."""
+        if self.is_active:
+            self.dismiss()
 
 
-class Sheet(Overlay):
+class Page(Overlay):
+    """What is laid over the chat and has no use for letters: a question goes on in the chat."""
+
+    @dataclass
+    class TypedOn(Message):
+        """Somebody types or pastes: it is meant for the question line."""
+
+        text: str
+
+    _typed = ""
+
+    def on_key(self, event: Key) -> None:
+        """Leave for the question line with the first letter."""
+        letter = event.character if event.is_printable else None
+        begins = letter and not letter.isspace() and event.key not in self.active_bindings
+        goes_on = self._typed or not self.is_active  # a burst that came before this was left
+        if letter and (begins or goes_on):
+            event.stop()
+            self._go_on(letter)
+
+    def on_paste(self, event: Paste) -> None:
+        """Leave for the question line with what was pasted."""
+        event.stop()
+        self._go_on(event.text)
+
+    def _go_on(self, text: str) -> None:
+        if not self._typed:
+            self.call_later(self._leave)
+        self._typed += text
+
+    def _leave(self) -> None:
+        text, self._typed = self._typed, ""
+        self.app.post_message(self.TypedOn(text))
+        self.leave()
+
+
+class Sheet(Page):
     """A page of text over the chat; Esc, Enter, q or its own key closes it."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
@@ -212,14 +253,14 @@ class PictureSheet(Overlay):
         """Take the box that was drawn; without one go back to the chat."""
         if self._box is not None:
             self.post_message(self.Boxed(self._box))
-        self.dismiss()
+        self.leave()
 
     def action_dismiss_sheet(self) -> None:
         """Leave the box, if one is being drawn, else the sheet."""
         if self._box is not None:
             self._draw(None)
         else:
-            self.dismiss()
+            self.leave()
 
     def on_mouse_down(self, event: MouseDown) -> None:
         """Begin a box where the mouse goes down."""
@@ -251,7 +292,7 @@ class PictureSheet(Overlay):
         self._say()
 
 
-class FloorSheet(Overlay):
+class FloorSheet(Page):
     """The map over the whole screen."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
@@ -283,7 +324,7 @@ class FloorSheet(Overlay):
         view.floor, view.keyframes = self._floor, self._keyframes
 
 
-class LargeSheet(Overlay):
+class LargeSheet(Page):
     """One answer in few, spaced lines, one picture, three keys: for tired eyes."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
@@ -310,9 +351,10 @@ class LargeSheet(Overlay):
 
 
 def large_text(answer: Answer) -> Text:
-    """Return the answer a sentence a line, an empty line between."""
+    """Return the question, and the answer a sentence a line, an empty line between."""
     words = clean(answer.answer or answer.message or "Ask a question first.")
     sentences = [
         part.strip() for part in words.replace("? ", "?\n").replace(". ", ".\n").split("\n")
     ]
-    return Text("\n\n".join(part for part in sentences if part), style="bold")
+    said = "\n\n".join(part for part in sentences if part)
+    return asked(answer.text).append(f"\n{said}", style="not dim bold")

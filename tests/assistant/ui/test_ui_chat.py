@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 from PIL import Image
 from textual.command import CommandList, CommandPalette
+from textual.events import Key, Paste
 from textual.widgets import Static
 
 from assistant.history import History
@@ -144,6 +145,137 @@ async def test_each_key_opens_its_sheet_and_escape_leaves_it(
             await c.until(lambda: isinstance(c.app.screen, sheet))
             await c.pilot.press("escape")
             assert c.app.screen is c.app.chat
+
+
+@pytest.mark.parametrize("key", ["f1", "f3", "f5", "f7"])
+async def test_what_is_typed_over_a_sheet_goes_to_the_question_line(key: str) -> None:
+    async with chat() as c:
+        await c.ask()
+        await c.pilot.press(key, "space", "w", "h", "y")
+        assert c.app.screen is c.app.chat
+        assert c.prompt().value == "why"
+        await c.pilot.press(key, "q")  # the key that closes it is not typed
+        assert c.app.screen is c.app.chat
+        assert c.prompt().value == "why"
+        await c.pilot.press(key)
+        c.app.screen.post_message(Paste("is it\nhere?"))
+        await c.until(lambda: c.prompt().value == "whyis it here?")
+        assert c.app.screen is c.app.chat
+
+
+async def test_a_burst_of_keys_over_a_sheet_leaves_it_once() -> None:
+    async with chat() as c:
+        await c.ask()
+        await c.pilot.press("f1")
+        sheet = c.app.screen
+        for letter in ("w", "h", "y", " ", "q"):  # all of them before the first was read
+            name = {" ": "space"}.get(letter, letter)
+            sheet.post_message(Key(name, letter))
+        await c.until(lambda: c.prompt().value == "why q")
+        await c.pilot.press("f7")
+        why = c.app.screen
+        assert isinstance(why, Sheet)
+        for _ in range(2):
+            why.action_dismiss_sheet()
+        await c.until(lambda: c.app.screen is c.app.chat)
+        c.prompt().clear()
+        await c.ask("where is my mug")
+
+
+async def test_the_number_of_an_example_asks_it() -> None:
+    async with chat() as c:
+        await c.type("2")
+        await c.until(lambda: "together" in c.said())
+        assert len(c.rows()) == 3
+        await c.type("2")  # from now on it is a row
+        await c.until(lambda: "You: 2" in c.said())
+
+
+async def test_a_question_typed_before_the_chat_stood_there_is_asked() -> None:
+    async with chat() as c:
+        await c.type(QUESTION, enter=False)
+        await c.pilot.press("ctrl+j")  # Enter, as the shell's terminal passed it on
+        await c.until(lambda: "On the kitchen table." in c.said())
+
+
+async def test_a_word_that_is_no_command_is_told_where_answers_are() -> None:
+    async with chat() as c:
+        await c.ask()
+        await c.type("/hlep")
+        await c.until(lambda: "There is no /hlep. Did you mean /help?" in c.said())
+        assert "/box" in c.said()
+        assert len(c.rows()) == 3
+        assert not list(c.app._notifications)
+
+
+@pytest.mark.parametrize(
+    ("said", "sheet"),
+    [("What can you do?", Sheet), ("Could you make it bigger, please?", LargeSheet)],
+)
+async def test_a_command_may_be_said_in_other_words(said: str, sheet: type) -> None:
+    async with chat() as c:
+        await c.ask()
+        await c.type(said)
+        await c.until(lambda: isinstance(c.app.screen, sheet))
+
+
+async def test_a_long_question_leaves_room_for_its_answer() -> None:
+    async with chat() as c:
+        long = "where are my keys? " * 40
+        await c.type(long)
+        await c.until(lambda: "On the kitchen table." in c.said())
+        shown = c.said().partition("\n")[0]
+        assert shown.startswith("You: where are my keys?")
+        assert shown.endswith("…")
+        assert len(shown) <= 3 * 78
+        await c.pilot.press("up")  # whole, for the next one
+        assert c.prompt().value == long.strip()
+
+
+async def test_a_long_answer_has_more_room_and_then_a_bar() -> None:
+    def told(text: str) -> Answer:
+        words = " ".join(["In the kitchen I saw a cup and a bowl."] * int(text.split()[-1]))
+        return replace(small_home.found(text), answer=words)
+
+    async with chat(small_home.session(OracleStore(), told)) as c:
+        pane = c.app.chat.query_one("#exchange-pane")
+        await c.ask("rooms 16")  # eight rows of 78, and its question
+        await c.until(lambda: pane.size.height >= 9)
+        assert not pane.show_vertical_scrollbar
+        assert c.app.chat.query_one(KeyframeList).size.height >= 3
+        await c.ask("rooms 60")
+        await c.until(lambda: pane.show_vertical_scrollbar)
+        assert pane.size.height == 11
+        await c.ask("rooms 1")
+        await c.until(lambda: pane.size.height == 2)
+
+
+async def test_the_question_line_says_how_to_go_on() -> None:
+    async with chat() as c:
+        assert c.prompt().placeholder == "type a question, then Enter"
+        await c.ask()
+        assert "not this one" in c.prompt().placeholder
+        await c.ask("where is my wallet")
+        assert c.prompt().placeholder == "type a question, then Enter"
+
+
+async def test_a_small_window_shows_the_examples_too() -> None:
+    async with chat(size=(40, 10)) as c:
+        questions = c.app.chat.query_one(QuestionList)
+        await c.until(lambda: questions.size.height > 2)
+        assert "Ask me where things were." in c.said()
+        await c.pilot.resize_terminal(80, 24)
+        await c.until(lambda: "kitchen" in c.said())  # there is room for the words again
+
+
+async def test_a_wide_window_shows_places_whole() -> None:
+    rows = [replace(small_home.keyframe(rank), near="coffee table") for rank in (1, 2, 3)]
+    long = [replace(row, place="living room") for row in rows]
+    found = replace(small_home.found("where"), keyframes=tuple(long))
+    session = small_home.session(OracleStore(), lambda text: replace(found, text=text))
+    async with chat(session, size=(200, 60)) as c:
+        await c.ask()
+        await c.until(lambda: "living room, by the coffee table" in c.rows()[0])
 
 
 async def test_why_shows_the_formal_query_the_score_and_the_plan() -> None:
@@ -530,15 +662,6 @@ async def test_a_list_without_room_takes_its_keys() -> None:
         await c.until(lambda: len(c.rows()) == 3)
 
 
-async def test_an_unknown_word_after_a_slash_names_the_known_ones() -> None:
-    async with chat() as c:
-        await c.type("/hlep")
-        await c.pilot.pause()
-        [notice] = c.app._notifications
-        assert "/help" in notice.message
-        assert "/box" in notice.message
-
-
 async def test_why_and_quit_need_no_slash() -> None:
     async with chat() as c:
         await c.ask()
@@ -546,7 +669,7 @@ async def test_why_and_quit_need_no_slash() -> None:
         await c.until(lambda: isinstance(c.app.screen, Sheet))
         await c.pilot.press("escape")
         await c.type("/box")  # without its edges it is no question about boxes
-        await c.until(lambda: any("LEFT TOP" in each.message for each in c.app._notifications))
+        await c.until(lambda: "LEFT TOP" in c.said())
         await c.type("quit")
         await c.until(lambda: not c.app.is_running)
 
