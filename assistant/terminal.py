@@ -61,6 +61,15 @@ def emit(record: Mapping[str, Any]) -> None:
     click.echo(json_line(record, ascii_only=not speaks_unicode(sys.stdout)))
 
 
+def tell(text: str) -> None:
+    """Write a line of talk to standard error: above the bar, where one is drawn there.
+
+    `click.echo` would write past the bar, into its line.
+    """
+    sys.stderr.write(clean(text) + "\n")
+    sys.stderr.flush()
+
+
 def speaks_unicode(stream: TextIO) -> bool:
     """Whether `stream` can carry every character: its encoding is a UTF."""
     return (getattr(stream, "encoding", None) or "").lower().replace("-", "").startswith("utf")

@@ -23,7 +23,7 @@ from assistant.options import (
     store_name,
 )
 from assistant.taking_in import Wanted, intake_options
-from assistant.terminal import clean, emit
+from assistant.terminal import clean, emit, tell
 
 if TYPE_CHECKING:
     from d3a.detectors.base import Detector
@@ -224,7 +224,7 @@ class _Run:
 
     def _note(self, text: str) -> None:
         if not self._settings.quiet:
-            click.echo(clean(f"note: {text}"), err=True)
+            tell(f"note: {text}")
 
     def _name_unused(self, intake: Intake, summary: IngestSummary) -> None:
         """Say which ignored categories nothing was called: a slip would store what should not."""
@@ -233,9 +233,7 @@ class _Run:
         seen = {reason.casefold() for reason in summary.skipped.counts}
         for word in sorted(intake.ignore):
             if ignored(word).casefold() not in seen:
-                click.echo(
-                    clean(f"note: nothing was called {word!r}, so none is ignored"), err=True
-                )
+                self._note(f"nothing was called {word!r}, so none is ignored")
 
     def _print(self, source: Path, summary: IngestSummary) -> None:
         if self._several:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import os
+import sys
 from collections.abc import Callable
 from contextlib import closing
 from datetime import UTC, datetime
@@ -18,6 +20,7 @@ from d3a.correcting.forgetting import forget, plan_forgetting
 from d3a.correcting.forgotten import Selection
 from d3a.ingest import IngestSummary, ingest
 from d3a.store import open_store
+from tests.worlds import terminals
 from tests.worlds.folders import as_recording, as_tum, boxes_file, moments, pictures, write_csv
 
 Run = Callable[..., Result]
@@ -258,3 +261,21 @@ def test_a_person_is_told_where_nothing_has_a_pose(run: Run, tmp_path: Path) -> 
     result = run("p", "--every", "2")
     assert result.exit_code == 0, result.output
     assert told in result.stderr
+
+
+def test_a_note_stands_above_the_bar(tmp_path: Path) -> None:
+    program = tmp_path / "noting.py"
+    program.write_text(
+        "from assistant.intake_report import progress\n"
+        "from assistant.terminal import tell\n"
+        "with progress(False) as on_progress:\n"
+        "    on_progress(1, 30)\n"
+        "    tell('note: no frame has a pose')\n"
+        "    on_progress(30, 30)\n"
+    )
+    environment = os.environ | {"PYTHONPATH": str(Path(__file__).parents[3]), "TERM": "xterm"}
+    with terminals.opened([sys.executable, str(program)], environment, size=(24, 80)) as terminal:
+        seen = terminal.read_all().decode()
+    before = seen.partition("note: no frame has a pose")[0]
+    assert before != seen
+    assert before.endswith(("\n", "\x1b[2K"))  # a line of its own, or one that was wiped
