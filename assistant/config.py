@@ -38,6 +38,7 @@ class Settings:
     images: how the chat shows pictures, one of CHOICES; see `assistant.protocols`.
     history: whether questions are kept for the next chat. speak: the command that says an answer
     aloud, its words being the last argument; empty for the first that the machine has.
+    theme: of the chat's colours, by its name; empty for the usual one.
     keys: the chat's keys by action where they are not the usual ones; see `keymap`.
     """
 
@@ -51,6 +52,7 @@ class Settings:
     quiet: bool = False
     history: bool = True
     speak: str = ""
+    theme: str = ""
     keys: Mapping[str, str] = field(default_factory=dict)
 
     @property
@@ -169,7 +171,7 @@ def load(
         settings = _laid_over(settings, _read(path), f"{path}")
     given: dict[str, Any] = {
         name: environ[f"D3A_{name.upper()}"]
-        for name in ("store", "zone", "now", "color", "images")
+        for name in ("store", "zone", "now", "color", "images", "speak", "theme")
         if environ.get(f"D3A_{name.upper()}")
     }
     return _laid_over(settings, given, "the environment (D3A_*)")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 import shutil
 import sys
 from datetime import datetime
@@ -9,7 +10,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from assistant.options import now_of, opened, settings_of, settings_options
+from assistant.exits import ExitCode
+from assistant.options import Failure, now_of, opened, settings_of, settings_options
 from assistant.serving import PORT, serving_options
 from assistant.serving import serve as serve_chat
 from assistant.terminal import is_terminal, why_not_full_screen
@@ -18,6 +20,7 @@ if TYPE_CHECKING:
     from assistant.config import Settings
     from assistant.history import History
     from assistant.session import Session
+    from assistant.ui.app import ChatApp
     from d3a.store.base import Store
 
 
@@ -107,8 +110,20 @@ def hold(
     app = ChatApp(
         session, history=history, pictures=chosen.kind, speak=settings.speak, keys=settings.keys
     )
+    if settings.theme:
+        wear(app, settings.theme)
     app.chat.typed = chosen.typed
     app.run()
+
+
+def wear(app: ChatApp, theme: str) -> None:
+    """Give the chat a theme by its name; a Failure that names the nearest where there is none."""
+    themes = sorted(app.available_themes)
+    if theme not in themes:
+        near = difflib.get_close_matches(theme, themes, n=1, cutoff=0.4)
+        hint = f"; nearest: {near[0]}" if near else ""
+        raise Failure(f"theme {theme!r} is none of {', '.join(themes)}{hint}", ExitCode.USAGE)
+    app.theme = theme
 
 
 def hold_plain(session: Session, settings: Settings, history: History) -> None:

@@ -20,6 +20,7 @@ SAMPLE = """\
 # images = "auto"                        # auto, kitty, sixel, cells, ascii, off
 # history = true                         # keep questions for the next chat
 # speak = "espeak-ng -s 150"             # says an answer aloud; else spd-say, say or espeak-ng
+# theme = "high-contrast"                # of the chat: textual-light, ansi-dark ...; see /theme
 # [keys]                                 # of the chat, by what they do: help, picture, map, speak,
 # why = "ctrl+y"                         # large, save, why, copy, palette, quit, earlier, later
 """
@@ -45,7 +46,7 @@ def show(context: click.Context, as_json: bool) -> None:
         return
     record["keys"] = ", ".join(f"{k}: {v}" for k, v in settings.keys.items()) or None
     for name, value in record.items():
-        click.echo(clean(f"{name:<9} {'not set' if value is None else value}"))
+        click.echo(clean(f"{name:<9} {'not set' if value in (None, '') else value}"))
 
 
 @command.command("path")
