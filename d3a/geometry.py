@@ -164,7 +164,7 @@ def locate(
     covariance = turn @ (across + along) @ turn.T + heading_covariance(pose, position)
     placed = _placed(detection, position, covariance)
     if spot is None:
-        return placed
+        return replace(placed, ranged=False)
     return replace(placed, extent_m=_extent(detection.box, spot.depth_m, camera))
 
 

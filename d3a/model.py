@@ -74,7 +74,8 @@ class Detection:
 
     box: x1, y1, x2, y2 in pixels from the frame's top left.
     position: metres in the map frame, None without depth and pose; covariance: its 3 x 3
-    row-major, None where unknown. extent_m: width and height of the thing, from depth.
+    row-major, None where unknown. ranged: False where how far off it is was assumed.
+    extent_m: width and height of the thing, from depth.
     embedding: (d,), unit length, None without a picture. row: its number in the recording's file
     of detections, from 0, so that identity can be judged from outside.
     """
@@ -84,6 +85,7 @@ class Detection:
     box: Box
     position: Position | None = None
     covariance: tuple[float, ...] | None = None
+    ranged: bool = True
     extent_m: tuple[float, float] | None = None
     embedding: NDArray[np.float32] | None = field(default=None, repr=False, compare=False)
     row: int | None = None

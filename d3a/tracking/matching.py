@@ -364,7 +364,7 @@ class Matcher:
         positions, (summed, count) = self._memory.positions, self.residuals
         scale, mean, shared = self._scale(pose), self.offset.mean, self.offset.covariance
         for i, place in pairs:
-            spot, noise = observed.spots[i], added(scaled(observed.errors[i], scale), shared)
+            spot, noise = observed.spots[i], added(observed.error_again(i, pose, scale), shared)
             if spot is None:
                 continue
             squared = positions.pull(place, spot, mean, noise, self._parameters)

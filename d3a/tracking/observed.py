@@ -9,12 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from d3a.checkpoint import stacked
-from d3a.model import Position
-from d3a.symmetric import Matrix, of_rows
+from d3a.model import Pose, Position
+from d3a.symmetric import Matrix, added, along, of_rows, scaled
 from d3a.tier1 import Thing
 from d3a.tracking import likelihood
 
 Floats = NDArray[np.float64]
+ANYWHERE = 10.0
+"""Sigma, by the range that was assumed, of a range that nothing tells."""
 _UNKNOWN = (math.nan,) * 3
 _EXACT = (0.0,) * 6
 
@@ -63,6 +65,19 @@ class Observed(NamedTuple):
             self.looks[wanted],
             [self.pictured[i] for i in wanted],
         )
+
+    def error_again(self, i: int, pose: Pose | None, scale: float) -> Matrix:
+        """Return the error of a view of something that was seen before, its own share scaled.
+
+        A range that was assumed was so before: it tells nothing anew, however often it is said.
+        The direction does, and from two sides the directions alone tell where a thing is.
+        """
+        error, spot = scaled(self.errors[i], scale), self.spots[i]
+        if pose is None or spot is None or self.things[i].detection.ranged:
+            return error
+        (x, y, z), (at_x, at_y, at_z) = spot, pose.position
+        beam = ANYWHERE * (x - at_x), ANYWHERE * (y - at_y), ANYWHERE * (z - at_z)
+        return added(error, along(*beam))
 
     @property
     def nowhere(self) -> list[int]:

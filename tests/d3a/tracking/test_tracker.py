@@ -451,3 +451,25 @@ def test_what_is_one_thing_from_either_side_is_made_one_by_its_look(
         frames.append(replace(frame, pose=pose))
         frames.append(looking(n + 1, away_m=2.0))
     assert len(filled(frames, narrow).objects()) == things
+
+
+def far_off(n: int, sides: Sequence[tuple[float, float]]) -> Frame:
+    """A vase 6 m ahead of where the camera was at first; neither depth nor position is known."""
+    x, right = sides[n % len(sides)]
+    pose = Pose((x, 0.0, right), FORWARD, tuple((np.eye(6) * 1e-4).ravel().tolist()))
+    u = CAMERA.cx + CAMERA.fx * right / (6.0 - x)  # the picture's right is the map's -z
+    seen = Detection("vase", 0.9, (u - 2, 22, u + 2, 26), embedding=colour(1))
+    return Frame(f"f{n}", START_MS + n * 5000, pose, CAMERA, None, None, (seen,))
+
+
+def test_a_range_that_was_assumed_gets_no_surer_by_being_assumed_again() -> None:
+    """From one side it stays unknown, so that it may be what is seen elsewhere from near by."""
+    once, often = (filled([far_off(n, [(0.0, 0.0)]) for n in range(k)]).stays() for k in (1, 30))
+    spread = [stay.covariance[0] for (stay,) in (once, often) if stay.covariance is not None]
+    assert spread[1] == pytest.approx(spread[0], rel=0.6)
+    assert spread[1] > 0.5
+
+
+def test_directions_from_two_sides_tell_where_a_thing_is() -> None:
+    (stay,) = filled([far_off(n, [(0.0, 0.0), (3.0, 1.0)]) for n in range(20)]).stays()
+    assert stay.position == pytest.approx((6.0, 0.0, 0.0), abs=0.4)
