@@ -16,6 +16,7 @@ from assistant.beside import where_it_is
 from assistant.either import one_or_another, told_of_either
 from assistant.explanation import Explanation
 from assistant.forgotten_words import but_forgotten
+from assistant.left_behind import as_left_behind
 from assistant.lexicon import VocabularyLexicon
 from assistant.newest_frame import newest_frame
 from assistant.not_begun import not_begun_words
@@ -205,6 +206,7 @@ def _told(
         many, more = (_told(store, one, facts, now, limit, rung) for one in bounds)
         return told_of_so_many(query, many, more)
     answer = _answered(store, query, facts, now, limit, rung)
+    answer = as_left_behind(answer, query, facts, VocabularyLexicon())
     if answer.status == "found" and is_no_more(answer, query):
         answer = gone_by_now(answer)
     if where := where_it_is(answer, query):

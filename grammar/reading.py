@@ -25,7 +25,7 @@ from grammar.errors import Ambiguous, NotUnderstood, OutOfScope, QuestionError
 from grammar.forms import FormalQuery, ObjectTerm, TimeSlice
 from grammar.meaning import Meaning, MeaningError, form_of, query, readings
 from grammar.suggestions import suggestions
-from grammar.tense import asks_for_now
+from grammar.tense import asks_for_now, asks_where_it_has_been
 from grammar.transform import Meanings
 from grammar.vocabulary import Lexicon
 from grammar.words import MAX_CHARACTERS, MAX_WORDS, Word, split
@@ -197,6 +197,8 @@ class Reading:
         asked = query(
             meaning, self.text, found.time, said.select, said.negated, said.never, said.contrary
         )
+        if said.select is None and asks_where_it_has_been(asked):
+            asked = replace(asked, select="all")
         return replace(asked, now=asks_for_now(asked))
 
     def _refused(self, error: MeaningError, rest: list[Word]) -> QuestionError:

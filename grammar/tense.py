@@ -49,6 +49,13 @@ def asks_for_now(query: FormalQuery) -> bool:
             return False
 
 
+def asks_where_it_has_been(query: FormalQuery) -> bool:
+    """Whether it is asked for all places of a thing: where has it been, and not where it is."""
+    words = _words(query.text)
+    has = any(word in _HAS or word.endswith("'s") for word in words)
+    return query.ask == "where" and has and words[-1] == "been"
+
+
 def follows_now(text: str, ask: Ask, last: FormalQuery) -> bool:
     """Whether a follow-up asks for the present: by its own verb, else as the question before it.
 
@@ -66,7 +73,13 @@ def chooses_a_sighting(query: FormalQuery) -> bool:
     """Whether `last` tells which sighting: what did you last see here, not what is here now."""
     words = _words(query.text)
     past = _says_past(words) and not any(w in _NOW for w in words)
-    return query.ask == "what" and query.select == "last" and past
+    return query.ask == "what" and query.select == "last" and past and not asks_what_is_left(query)
+
+
+def asks_what_is_left(query: FormalQuery) -> bool:
+    """Whether it is asked what a person left somewhere, by no time: what did I leave here."""
+    left = query.ask in ("what", "whether") and query.time is None
+    return left and _asks_what_is_left(_words(query.text))
 
 
 def asks_for_a_sighting(query: FormalQuery) -> bool:

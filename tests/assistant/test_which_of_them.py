@@ -266,3 +266,23 @@ def test_what_moved_by_several_ids_is_no_flat_no(home: Home) -> None:
     assert answer.answer.startswith("I saw a cup in two places. I cannot be sure that it was the")
     assert [k.object_id for k in answer.perhaps] == ["cup again", "cup"]
     assert [k["place"] for k in answer.to_json()["perhaps"]] == ["hall", "kitchen"]
+
+
+def test_what_a_person_left_is_nothing_that_always_stands_there(home: Home) -> None:
+    home.seen("three", 40, 45, at=(1.1, 1.2, 0.8), place=1)  # later than all the others
+    left = told(home, "What did I leave in the kitchen?")
+    assert left.startswith("I last saw two or three books and a cup in the kitchen, the newest")
+    assert "a cup and a table in the kitchen" in told(home, "What is in the kitchen?")
+    assert told(home, "Did I leave anything in the kitchen?").startswith(
+        "Yes. I last saw two or three books and a cup in the kitchen"
+    )
+    home.thing("bed", "bed")
+    home.seen("bed", 0, 10, at=(8, 1, 0.7), box=TABLE)
+    home.seen("bed", 40, 45, at=(8, 1, 0.7), box=TABLE)
+    assert told(home, "What did I forget in the hall?").startswith("I last saw a bed in the hall")
+
+
+def test_where_it_has_been_asks_for_all_its_places(home: Home) -> None:
+    home.seen("cup", 40, 45, at=(6, 2, 1), place=1)
+    assert "I also saw it in the" in told(home, "Where has the cup been?")
+    assert told(home, "Where is the cup?").startswith("In the hall. I last saw the cup there")
