@@ -36,6 +36,11 @@ _PAIRS = frozenset(
     | {"pliers", "tweezers", "tongs", "binoculars", "headphones", "chopsticks"}
 )
 """Two halves make one of it: it is counted in pairs."""
+_COMPARED = frozenset(
+    {"biggest", "largest", "smallest", "tallest", "shortest"}
+    | {"bigger", "larger", "smaller", "taller", "shorter"}
+)
+"""One of several is so, and so it is the one."""
 _CLAUSE = " that is "
 """What begins what is said of a noun after it."""
 _PLENTY = frozenset(
@@ -45,7 +50,9 @@ _PLENTY = frozenset(
 
 
 def article(words: str) -> str:
-    """Return the words with "a" or "an"; "a pair of scissors", "some groceries"."""
+    """Return the words with "a" or "an"; "a pair of scissors", "some groceries", "the biggest"."""
+    if words.partition(" ")[0] in _COMPARED:
+        return f"the {words}"
     if is_many(words):
         return f"a pair of {words}" if _head(words) in _PAIRS else f"some {words}"
     first = words.lower()

@@ -336,7 +336,8 @@ def _what(answer: Answer, query: FormalQuery, now: datetime) -> str:
             maybe = f"I saw {article(kind_of(other))}, maybe the same, {when(other.end, now)}"
             return f"I cannot be sure. {told} {maybe}{there_words(other, query)}."
         return told + _doubted(answer)
-    return f"I saw {listed(things)}{condition}, {last_words(answer, query, now)}."
+    alone = there_words(newest_of(answer), query) if len(seen) == 1 and not somewhere else ""
+    return f"I saw {listed(things)}{condition}, {last_words(answer, query, now)}{alone}."
 
 
 def _doubted(answer: Answer) -> str:

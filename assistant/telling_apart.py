@@ -13,7 +13,6 @@ from d3a.answer import Answer
 from d3a.answering import columns
 from d3a.answering.attributes import seen_colours
 from d3a.answering.facts import Facts
-from d3a.colours import is_colour
 from grammar.forms import ANYTHING, FormalQuery
 
 _MOST_TOLD = 16
@@ -25,13 +24,13 @@ _SURELY_SEVERAL = 64
 def with_colours(answer: Answer, query: FormalQuery, facts: Facts) -> Answer:
     """Return the answer with the colours of what is listed, where there are several of its kind.
 
-    Asked of a kind, or what moved; a colour that was asked for goes without saying. What looked
-    like no colour has none. Raises StoreError.
+    Asked of a kind, or what moved; what looks were asked for goes without saying. What looked like
+    no colour has none. Raises StoreError.
     """
     term = term_of(query)
     named = term.category != ANYTHING
     asked = query.ask == "moved" or (query.ask == "what" and named)
-    known = term.or_else or any(map(is_colour, (*term.attributes, *term.without)))
+    known = term.or_else or term.attributes or term.without
     if answer.status != "found" or not asked or known:
         return answer
     listed: defaultdict[str, dict[str, str]] = defaultdict(dict)

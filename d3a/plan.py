@@ -204,7 +204,9 @@ def _object_steps(
     looks = precision not in ("category", "any")
     if (term.attributes or term.without) and looks:
         doubts = "." not in var and _lists_doubts(query, term)
-        steps.append(JudgeAttributes(var, term.attributes, term.without, doubts))
+        somewhere = query.ask == "what" and not (query.place is None and query.relation is None)
+        judge = JudgeAttributes(var, term.attributes, term.without, doubts, somewhere)
+        steps.append(judge)
     if term.or_else:
         names = tuple(f"{var}/{number}" for number, _ in enumerate(term.or_else, 1))
         for name, other in zip(names, term.or_else, strict=True):

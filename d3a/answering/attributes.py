@@ -54,6 +54,8 @@ _SIZES: dict[str, tuple[str, float]] = {
     **dict.fromkeys(("wide", "broad"), ("width", 1.0)),
     **dict.fromkeys(("narrow", "slim", "thin"), ("width", -1.0)),
 }
+_COMPARED = frozenset(word for word in _SIZES if word.endswith(("est", "er")))
+"""What is the biggest, or bigger with nothing said that it is bigger than, is so among all."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -141,7 +143,8 @@ def judged(
             scores += [(word, share, result[1]) for word in colours]
     for word in wanted:
         if word not in colours:
-            _add(scores, unjudged, word, _size(word, found))
+            sized = None if step.somewhere and word in _COMPARED else _size(word, found)
+            _add(scores, unjudged, word, sized)
     for word in merged_shades(step.without):
         single = _colour([word], found, looks_of) if is_colour(word) else _size(word, found)
         opposite = None
@@ -267,6 +270,10 @@ def _size(
     told = normal_cdf((away[known] - NOTICED) / SIZE_SPREAD)
     probability = np.full(len(found), told.mean())
     probability[known] = told
+    if word in _COMPARED:  # of several big ones none but the largest is the biggest
+        behind = sign * logs - (sign * logs[telling]).max()
+        largest = normal_cdf((np.minimum(behind, 0.0) + NOTICED) / SIZE_SPREAD)
+        probability *= np.nan_to_num(largest) / normal_cdf(np.array(NOTICED / SIZE_SPREAD))
     return probability, probability >= LIKELIER
 
 

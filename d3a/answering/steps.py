@@ -48,12 +48,14 @@ class JudgeAttributes:
     """Score what must hold of the objects of `var`, and what must not; drop who is refused.
 
     doubts: keep who is doubtful, to be listed below who is likely; alone they are no answer.
+    somewhere: what is compared (the biggest) is so among those of a place, which is not known yet.
     """
 
     var: str
     attributes: tuple[str, ...]
     without: tuple[str, ...] = ()
     doubts: bool = False
+    somewhere: bool = False
 
 
 @dataclass(frozen=True, slots=True)

@@ -329,6 +329,21 @@ def test_sizes_are_relative_to_the_category() -> None:
     assert "l" not in ids(run(home, query(term("bowl", "small"))))
 
 
+def test_of_several_big_ones_one_is_the_biggest() -> None:
+    home = Home()
+    for number, size in enumerate((0.2, 0.2, 0.2, 0.5, 1.0)):
+        home.thing(f"c{number}", "chair", extent_m=(size, size))
+        home.seen(f"c{number}", 0, 5, at=(number, 0, 1))
+        home.seen(f"c{number}", 60, 60 + number, at=(number, 0, 1))
+    for word, found in (("big", ["c3", "c4"]), ("biggest", ["c4"]), ("bigger", ["c4"])):
+        answer = run(home, query(term("chair", word)))
+        assert sorted({k.object_id for k in answer.keyframes if k.score > 0.25}) == found, word
+    home.room("hall", -1, -1, 3.5, 3)
+    listed = replace(query(term("chair", "biggest")), ask="what", place="hall")
+    answer = run(home, listed)  # among those of the hall, which are not known when it is judged
+    assert (answer.unjudged, answer.count) == (("biggest",), 4)
+
+
 def test_what_is_as_large_as_the_others_is_neither_big_nor_small() -> None:
     home = Home()
     for number, size in enumerate((0.115, 0.12, 0.12, 0.13)):
