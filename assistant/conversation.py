@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Literal
 from assistant.asking import ask, ask_query, explain, failure, refusal, store_words
 from assistant.courtesies import courteous
 from assistant.dialogue import Seen, follow, is_about_the_same, is_beside, is_of_the_listed
+from assistant.phrases import heads_of
 from assistant.pointing import (
     NOTHING_SHOWN,
     AskedOf,
@@ -169,6 +170,8 @@ class Conversation:
         if row is not None and is_of_the_listed(heard, before.last, _seen(row, before.last), text):
             meant = row.object_id
         answer = self._as_meant(answer, refused, meant, before.last)
+        if heard.ask == "what" and len(alone := {k.object_id for k in heads_of(answer)}) == 1:
+            meant = meant or next(iter(alone))  # which cup is there: this one, from now on
         self._said = _Said(heard, answer, refused, meant, text)
         self.pointer.to(told(answer))
         return answer
@@ -214,10 +217,10 @@ class Conversation:
         if refused:
             answer = self._without(answer, refused)
         nearby: Keep | None = None
-        nothing = ""
+        nothing, somewhere = "", query.place is not None or query.relation is not None
         if row is not None and is_beside(query, seen, last):
             nearby, nothing = (lambda k: not same_place(k, row)), _nowhere_else(query)
-        elif row is not None and _THERE.search(answer.text.lower()):
+        elif row is not None and not somewhere and _THERE.search(answer.text.lower()):
             nearby, nothing = (lambda k: same_place(k, row)), "I did not see it there then."
         if meant is not None:
             of_it = narrowed(answer, lambda k: k.object_id == meant, now, nothing=nothing)
@@ -390,4 +393,4 @@ def _plain(text: str) -> str:
 
 
 def _seen(row: RankedKeyframe | None, query: FormalQuery | None) -> Seen | None:
-    return None if row is None else Seen(row.start, row.end, term_of_row(row, query))
+    return None if row is None else Seen(row.start, row.end, term_of_row(row, query), row.place)

@@ -28,12 +28,13 @@ from grammar.vocabulary import lexicon
 class Seen:
     """When the thing spoken of was seen: `before that` ends at its start.
 
-    thing: what it is called, which `it` means after a list of things.
+    thing: what it is called, which `it` means after a list of things. place: the room it was in.
     """
 
     start: datetime
     end: datetime
     thing: ObjectTerm | None = None
+    place: str | None = None
 
 
 def follow(
@@ -54,20 +55,53 @@ def follow(
         return parse(text, now=now, words=words)
     told = _spoken_of(last) or (seen.thing if seen is not None else None)
     found = parse_fragment(text, now=now, words=words, previous=last, told=told)
-    return found if isinstance(found, FormalQuery) else merge(last, found, seen)
+    if not isinstance(found, FormalQuery):
+        return merge(last, found, seen)
+    return _there(found, last, seen)
+
+
+def _there(query: FormalQuery, last: FormalQuery, seen: Seen | None) -> FormalQuery:
+    """Return a whole question with what its `there` means, where the one before tells it.
+
+    On, in or beside what that asked about, else the room that its answer told of another thing.
+    """
+    plain = query.relation is None and query.place is None and len(query.objects) == 1
+    same = query.objects == last.objects[:1] and last.ask != "whether"
+    if not plain or not _says_there(query.text) or same:
+        return query
+    related = last.relation is not None and len(last.objects) == 2 and not last.relation.negated
+    if related:
+        objects = (query.objects[0], last.objects[1])
+        query = replace(query, objects=objects, relation=last.relation)
+    told = seen is not None and not related and query.objects != last.objects[:1]
+    place = last.place or (seen.place if seen is not None and told else None)
+    query = replace(query, place=place, or_places=last.or_places, outside=last.outside)
+    form = form_of(query.ask, query.relation, query.time, query.place, query.select)
+    return replace(query, form=form)
+
+
+def _says_there(text: str) -> bool:
+    """Whether a text asks of a place by `there`, and not whether there is something."""
+    words = ["".join(filter(str.isalpha, word)) for word in text.casefold().split()]
+    behind = {"is", "are", "was", "were", "isnt", "arent", "wasnt", "werent", "and", "so"}
+    return any(word == "there" and words[k - 1] not in behind for k, word in enumerate(words) if k)
 
 
 def _spoken_of(last: FormalQuery) -> ObjectTerm | None:
-    """Return what a list was asked for around, where it was said as `it` already: that it stays."""
+    """Return what a list was asked for around, where it was a pronoun already: that it stays."""
     if not is_list(last) or last.relation is None or len(last.objects) != 2:
         return None
     ground, words = last.objects[1], last.text.lower().strip(" ?!.").split()
-    return ground if "it" in words and not _is_said(ground, last.text) else None
+    spoken = "it" in words or (words[0].startswith("what") and words[-1] == "them")
+    return ground if spoken and not _is_said(ground, last.text) else None
 
 
 def is_about_the_same(query: FormalQuery, last: FormalQuery | None, text: str) -> bool:
-    """Whether a query goes on about the things of the last one, without naming them again."""
-    if last is None or query.objects != last.objects:
+    """Whether a query goes on about the things of the last one, without naming them again.
+
+    Or about the first of them: where was it, after which of them is on the table.
+    """
+    if last is None or query.objects not in (last.objects, last.objects[:1]):
         return False
     return not any(_is_said(term, text) for term in last.objects)
 
