@@ -36,7 +36,7 @@ def known_of(query: FormalQuery) -> tuple[str, ...]:
 
 def _is_known(query: FormalQuery, term: ObjectTerm) -> bool:
     nouns = "|".join(map(re.escape, (term.word, plural(term.word))))
-    said = rf"\bthe\s+([\w'-]+\s+){{0,{len(term.attributes)}}}({nouns})\b"
+    said = rf"\bthe\s+(pairs?\s+of\s+)?([\w'-]+\s+){{0,{len(term.attributes)}}}({nouns})\b"
     return term.owner is not None or re.search(said, query.text.casefold()) is not None
 
 

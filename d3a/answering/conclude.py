@@ -224,7 +224,12 @@ def least_of(run: Run) -> int:
     if run.spans:
         return sum(_least_of_many(run, var, spans) for var, spans in run.spans.items())
     moments = run.standing(one.moment for one in run.ranked)
-    entries = [entry for moment in moments for entry in moment.entries[: run.figures]]
+    entries = [
+        entry
+        for moment in moments
+        for entry in moment.entries[: run.figures]
+        if entry.sighting.object_id not in run.elsewhere
+    ]
     return _least(entries) or min(len(entries), 1)
 
 

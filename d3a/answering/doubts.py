@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from functools import cached_property
-from itertools import chain, islice
+from itertools import islice
 
 from d3a.answering.alike import Alike
 from d3a.answering.moments import Entry, Moment, single
@@ -63,9 +63,12 @@ class Doubts:
             elif unsure and is_what:
                 self._tell([max(unsure, key=lambda moment: moment.end_ms)])
             return sure or kept
-        if unsure and not sure:
+        if run.query.ask == "count":
+            away = [m.figure.sighting.object_id for m in unsure if _any(self._away(m.figure))]
+            run.elsewhere = frozenset(away)
+        elif unsure and not sure:
             self._tell(unsure)
-        elif run.query.ask != "count" and run.term(self._var).quantity is None:
+        elif run.term(self._var).quantity is None:
             kept = sure
         return kept
 
@@ -80,9 +83,16 @@ class Doubts:
             return _any(self._since(moment.figure))
         if self._run.query.ask != "what":
             return _any(self._of(moment.entries[:1]))
-        here = self._here[self._var]  # what may be another of the list is counted as one of it
-        other = (s for s in self._since(moment.figure) if s.object_id not in here)
-        return _any(chain(self._turned_up(moment.figure), other))
+        return _any(self._away(moment.figure))
+
+    def _away(self, entry: Entry) -> Iterator[Sighting]:
+        """Yield what may be the thing of an entry and was seen since, but not here as well.
+
+        What may be another of a list, or of what is counted, is one of it.
+        """
+        here = self._here[self._run.var_of(entry)]
+        yield from self._turned_up(entry)
+        yield from (s for s in self._since(entry) if s.object_id not in here)
 
     def _of(self, entries: Sequence[Entry]) -> Iterator[Doubt]:
         """Yield what may be one of these and was seen elsewhere since: with it its newest."""

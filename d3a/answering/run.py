@@ -46,9 +46,10 @@ class Run:
     was read; counted: of how many objects there are some; surely: how many of them must be
     different things, where that is too many; figures: how many of a moment's entries are what is
     asked for, more than one of things that were together; stretches: from when to when they were
-    so, where that is asked; doubted: what was so and may be elsewhere by now; came_from: by stay
-    and start of what was seen at another place than before, how it was seen before; since_ms,
-    until_ms: from when on or until when a relation was looked for, as the variables `reached`
+    so, where that is asked; doubted: what was so and may be elsewhere by now; elsewhere: of what
+    is counted, the ids of what may; came_from: by stay and start of what was seen at another place
+    than before, how it was seen before; since_ms, until_ms: from when on or until when a relation
+    was looked for, as the variables `reached`
     allow. spans: by variable, all sightings that count, where those that were found are a choice
     of them; so: of those that stood in a relation, when they did; late: the variables of which
     nothing is read before it is related; newest_alone: the variables of which each object's newest
@@ -101,6 +102,7 @@ class Run:
     rank_step: Rank | None = None
     stretches: list[Stretch] = field(default_factory=list)
     doubted: list[Moment] = field(default_factory=list)
+    elsewhere: frozenset[str] = frozenset()
     came_from: dict[tuple[StayKey, int], Sighting] = field(default_factory=dict)
     plain: dict[str, dict[str, Candidate]] = field(default_factory=dict)
     rooms: dict[str, Region] = field(default_factory=dict)

@@ -286,3 +286,15 @@ def test_where_it_has_been_asks_for_all_its_places(home: Home) -> None:
     home.seen("cup", 40, 45, at=(6, 2, 1), place=1)
     assert "I also saw it in the" in told(home, "Where has the cup been?")
     assert told(home, "Where is the cup?").startswith("In the hall. I last saw the cup there")
+
+
+def test_what_may_be_elsewhere_by_now_is_counted_as_at_most(home: Home) -> None:
+    assert told(home, "How many cups are in the kitchen?").startswith("One cup in the kitchen")
+    home.thing("cup again", "cup", paint="red")
+    home.seen("cup again", 300, 310, at=(6, 2, 1))
+    said = ask(home.into(OracleStore()), "How many cups are in the kitchen?", now=NOW)
+    assert said.answer.startswith("At most one cup in the kitchen, last seen today at 12:10")
+    assert (said.status, said.value, said.count) == ("found", 0.0, 1)
+    assert told(home, "How many cups are in the hall?").startswith("One cup in the hall")
+    home.seen("cup again", 5, 8, at=(6, 2, 1))  # one round showed both
+    assert told(home, "How many cups are in the kitchen?").startswith("One cup in the kitchen")
