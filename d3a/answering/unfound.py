@@ -35,7 +35,7 @@ def explain_empty(run: Run, step: ExplainEmpty) -> None:
         elif run.query.ask == "whether" and run.query.negated:
             _tell_elsewhere(run, step)
         elif run.query.ask == "moved":
-            _tell_where_from(run, step.vars[0])
+            _tell_where_from(run)
         return
     run.status = "not_found"
     best = run.ranked[0].moment if run.ranked else None
@@ -67,15 +67,16 @@ def _tell_elsewhere(run: Run, step: ExplainEmpty) -> None:
     run.otherwise = _newest(run.found[var], away) if away else None
 
 
-def _tell_where_from(run: Run, var: str) -> None:
+def _tell_where_from(run: Run) -> None:
     """Tell where the one thing that moved was before its newest move; of several each is a row."""
     if len({name for one in run.ranked for name in one.moment.ids}) > 1:
         return
     least = max(one.score for one in run.ranked) * LEAST_OF_BEST
     likely = [one.moment for one in run.ranked if one.score >= least]
-    seen = max(likely, key=lambda moment: moment.end_ms).figure.sighting
-    before = run.came_from.get((seen.stay, seen.start_ms))
-    run.otherwise = None if before is None else single(run.found[var], before)
+    moved = max(likely, key=lambda moment: moment.end_ms).figure
+    before = run.came_from.get((moved.sighting.stay, moved.sighting.start_ms))
+    table = run.found[run.var_of(moved)]  # of several that are asked for it may be any
+    run.otherwise = None if before is None else single(table, before)
 
 
 def _is_another_number(run: Run) -> bool:

@@ -329,6 +329,20 @@ def test_sizes_are_relative_to_the_category() -> None:
     assert "l" not in ids(run(home, query(term("bowl", "small"))))
 
 
+def test_the_one_of_several_that_moved_is_told_with_where_it_was() -> None:
+    home = Home()
+    home.thing("bowl", "bowl")
+    home.seen("bowl", 0)
+    home.thing("cup", "cup")
+    home.seen("cup", 0)
+    home.seen("cup", 60, at=(3, 0, 1), place=1, moved_from=(0, 0.99))
+    for terms in ((term("bowl"), term("cup")), (term("cup"), term("bowl"))):
+        answer = run(home, replace(query(*terms), ask="moved"))
+        assert ids(answer) == ["cup"]
+        assert answer.otherwise is not None
+        assert (answer.otherwise.object_id, answer.otherwise.end) == ("cup", at(0))
+
+
 def test_of_several_big_ones_one_is_the_biggest() -> None:
     home = Home()
     for number, size in enumerate((0.2, 0.2, 0.2, 0.5, 1.0)):
