@@ -53,10 +53,17 @@ def usual_words(answer: Answer, query: FormalQuery) -> str:
         return f"I know {amount_of(answer.least, answer.count, words)}. {told}"
     best = answer.keyframes[0].object_id
     own = [k for k in heads_of(answer) if k.object_id == best]
+    is_whole = sum(_share(k) for k in own) >= _LEAST_WHOLE
+    if not is_whole and answer.least <= 1:  # all of it may be one, and its shares add up
+        own = sorted(heads_of(answer), key=_share, reverse=True)
     spots = [f"{spot_words(k, query)} ({round(100 * _share(k))} %)" for k in own[:_SPOTS]]
-    was = f"{thing} {'were' if said_many(query, term) else 'was'}"
-    if sum(_share(k) for k in own) < _LEAST_WHOLE:
+    many = said_many(query, term)
+    was = f"{thing} {'were' if many else 'was'}"
+    if not is_whole:
         others = "Of the rest I cannot be sure: what I saw elsewhere may be the same."
+        if len({k.object_id for k in own[:_SPOTS]}) > 1:
+            others = "They may not have been the same ones each time."
+            others = others if many else "It may not have been the same one each time."
         return f"{sentence_case(was)} {listed(spots)}, as far as I saw. {others}"
     told = f"Most of the time {was} {listed(spots)}, as far as I saw."
     more = max(answer.least, 1) - 1

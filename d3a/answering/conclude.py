@@ -333,9 +333,18 @@ def _value(run: Run, least: int, stayed: Sequence[tuple[int, int]]) -> float | N
         return float(least if run.figures == 1 else run.figures)
     if run.query.ask == "how_often":
         return float(sum(len(start) for start, _ in _occasions(run)) or len(run.ranked))
+    if run.query.ask == "how_long" and stayed and _lasts_still(run):  # until now, as it is told
+        now_ms = milliseconds(run.now)
+        assert now_ms is not None
+        return (now_ms - stayed[0][0]) / 1000
     if run.query.ask == "how_long":
         return (total_ms(stayed) if stayed else _in_view_ms(run)) / 1000
     return None
+
+
+def _lasts_still(run: Run) -> bool:
+    """Whether it is asked how long something has been so, and is so still."""
+    return any(isinstance(step, FindStretches) and step.newest for step in run.steps)
 
 
 def _least_of_many(run: Run, var: str, spans: Spans) -> int:
