@@ -8,6 +8,8 @@ from assistant.english import is_many, plural
 from grammar import vocabulary
 from grammar.forms import ANYTHING, FormalQuery, ObjectTerm
 
+_GOES_ON = re.compile(r"(and|or|but|what about|how about) (in|on|under|at|with|next|behind|near)\b")
+"""How a question begins that asks of a place alone, of what the one before was about."""
 _IT, _THEY = frozenset({"it"}), frozenset({"they", "them", "these", "those"})
 
 
@@ -29,8 +31,13 @@ def is_one(query: FormalQuery) -> bool:
 
 
 def known_of(query: FormalQuery) -> tuple[str, ...]:
-    """Return the variables of the objects that were said as known: the wallet, my keys, it."""
-    first = query.objects[:1] if is_one(query) else ()
+    """Return the variables of the objects that were said as known: the wallet, my keys, it.
+
+    What was spoken of before is known, too: and on the shelf?
+    """
+    term = query.objects[0] if query.objects else ObjectTerm(ANYTHING)
+    goes_on = _GOES_ON.match(query.text.casefold()) and not _as_said(query, term)
+    first = query.objects[:1] if is_one(query) or goes_on else ()
     return tuple(t.var for t in query.objects if t in first or _is_known(query, t))
 
 

@@ -75,3 +75,20 @@ def test_a_query_without_its_words_asks_the_same(store: OracleStore) -> None:
     bare = ask_query(store, replace(query, text=""), now=NOW)
     formal = ask(store, query.formal, now=NOW)
     assert {a.reason for a in (asked, bare, formal)} == {"gone"}
+
+
+def test_what_was_spoken_of_is_known_in_a_follow_up() -> None:
+    home = Home(classes=("cup",))
+    for name, minute, x in (("cup", 0, 1), ("cup again", 200, 6)):
+        home.thing(name, "cup")
+        home.seen(name, minute, minute + 5, at=(x, 1, 1))
+    home.look(250, 1, 1)
+    home.room("kitchen", -1, -1, 3, 3)
+    home.room("living room", 4, -1, 9, 3)
+    store = OracleStore()
+    home.into(store)
+    first = read_question(store, "Is the cup in the living room?", now=NOW)
+    followed = follow("and in the kitchen?", now=NOW, words=WORDS, last=first)
+    asked = ask(store, "Is the cup in the kitchen?", now=NOW)
+    assert asked.answer.startswith("No, not any more. I last saw the cup")
+    assert ask_query(store, followed, now=NOW).answer == asked.answer
