@@ -6,12 +6,9 @@ judge is left out of the search, lowers the score and is told; it never turns a 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 from datetime import datetime
 from time import perf_counter
-
-import numpy as np
 
 from d3a.answer import Answer
 from d3a.answering.attributes import judged
@@ -20,11 +17,12 @@ from d3a.answering.bounded import (
     find_joined,
     finds_stays_late,
     joins_late,
+    slice_of,
 )
 from d3a.answering.conclude import conclude
 from d3a.answering.facts import Facts
 from d3a.answering.lookalikes import later_names
-from d3a.answering.many import find_many
+from d3a.answering.many import filter_place, find_many, spans_asked
 from d3a.answering.match import (
     EXACT,
     Candidate,
@@ -65,7 +63,7 @@ from d3a.plan import (
     numbers_unjudged,
 )
 from d3a.rank import rank
-from d3a.store.base import Region, StayRecord, Store
+from d3a.store.base import Region, Store
 from grammar.forms import ANYTHING, VARIABLES
 
 
@@ -120,7 +118,7 @@ def _take(run: Run, step: Step) -> None:
         case DropGone():
             _drop_gone(run, step)
         case FilterPlace():
-            _filter_place(run, step)
+            filter_place(run, step)
         case Unite():
             run.leave_out(run.relation_words(step, [run.term(var) for var in step.vars[1:]]))
         case FindNow():
@@ -269,6 +267,7 @@ def _find_sightings(run: Run, step: FindSightings) -> None:
         find_bounded(run, step)
     elif joins_late(run):
         run.late.add(step.var)
+        spans_asked(run, step.var, *slice_of(run, step.var))  # where it is asked for can be judged
     elif not find_many(run, step):
         find_joined(run, step)
 
@@ -301,30 +300,6 @@ def _drop_gone(run: Run, step: DropGone) -> None:
         if absent is not None and at is not None and sighting.end_ms < absent <= at:
             table.sightings.remove(sighting)
             table.gone.append(sighting)
-
-
-def _filter_place(run: Run, step: FilterPlace) -> None:
-    rooms, table = run.rooms_of(step), run.found[step.var]
-    stays = sorted(table.stays.values(), key=lambda stay: stay.key)
-    if _are_unplaced(run, step.var, stays):
-        rooms = None
-    for name in (step.place, *step.others):
-        if rooms is None or run.region(name) is None:
-            run.leave_out(f"in the {name}")
-    if rooms is None:
-        return
-    run.before_place[step.var] = list(table.sightings)
-    for stay, p in zip(stays, rooms.holding(stays).tolist(), strict=True):
-        if p == p:  # a stay without a position is in no room: it cannot be told
-            table.place[stay.key] = p
-    table.sightings = [s for s in table.sightings if table.place.get(s.stay, 0.0) >= 0.5]
-
-
-def _are_unplaced(run: Run, var: str, stays: Sequence[StayRecord]) -> bool:
-    """Whether nobody knows where any of a variable's things was: no room is judged then."""
-    if not stays or any(stay.position is not None for stay in stays):
-        return var in run.unplaced
-    return var not in run.many or bool(np.isnan(run.facts.positions(run.found[var].ids).x).all())
 
 
 def _rank(run: Run, step: Rank) -> None:

@@ -36,7 +36,7 @@ MOST_JOINED = 10_000
 AS_GOOD = 0.9
 """Objects this near to the best in worth are as good: then the newer one comes first."""
 COUNTED = ("count", "how_long", "how_often")
-_SIFTING = (FilterPlace, FindEdge, KeepOften, KeepThen, KeepUsual)
+_SIFTING = (FindEdge, KeepOften, KeepThen, KeepUsual)
 _UNREAD = ("same_place", "between")
 
 
@@ -94,8 +94,8 @@ def _reach(run: Run, *, oldest: bool) -> None:
 def joins_late(run: Run) -> bool:
     """Whether what stood in a relation is counted over more sightings than are read whole.
 
-    No place narrows it: so what was together, and of one kind the most at once. What stood
-    otherwise is found by where it was, at any time.
+    So what was together, of the figure in a place or anywhere, and of one kind the most at once.
+    What stood otherwise is found by where it was, at any time.
     """
     joins = [step for step in run.steps if isinstance(step, Relate | Gather)]
     if len(joins) != 1 or run.rooms or any(isinstance(step, _SIFTING) for step in run.steps):
@@ -112,7 +112,9 @@ def joins_late(run: Run) -> bool:
         judged = any(isinstance(step, JudgeAttributes | KeepPresent) for step in run.steps)
         known = known and not judged
     else:
-        known = known and join.kind not in _UNREAD and {*slices.values()} == {(None, None)}
+        placed = any(isinstance(step, FilterPlace) for step in run.steps)
+        known = known and join.kind not in _UNREAD and not placed
+        known = known and {*slices.values()} == {(None, None)}
     if not known or not all(run.found[var].candidates for var in join.vars):
         return False
     return any(run.facts.are_many(run.found[var].ids, *when) for var, when in slices.items())

@@ -18,12 +18,12 @@ from d3a.answering.gathering import Ties, gathered, of_two_things
 from d3a.answering.joined import pair_moments
 from d3a.answering.joins import Asked, Related
 from d3a.answering.linked import Link
-from d3a.answering.many import chosen_rows
+from d3a.answering.many import chosen_rows, filter_place, place_stays, spans_asked
 from d3a.answering.meetings import ENCOUNTER, Meetings, Side, cores, likely, met, together
 from d3a.answering.moments import Found, joined
 from d3a.answering.pairs import Floats
 from d3a.answering.run import Run, milliseconds
-from d3a.answering.steps import FindSightings, Gather, Relate
+from d3a.answering.steps import FilterPlace, FindSightings, Gather, Relate
 from d3a.rank import LEAST_OF_BEST
 from d3a.store.base import Encounter, Sighting, Spans
 
@@ -47,6 +47,7 @@ def tell_together(run: Run, step: Relate) -> bool:
     links = _links(run, one, other, found.at(rows), encounters)
     for table, side in ((figure, 0), (ground, 1)):
         table.stays = run.facts.stays_of([link.seen()[side] for link in links])
+    place_stays(run, step.vars[0])
     run.moments = pair_moments(Related(links, held[rows]), figure, ground, ())
     return True
 
@@ -61,6 +62,7 @@ def gather_most(run: Run, step: Gather) -> bool:
     for number, among in reversed([*enumerate(dense, 2)][step.numbers[0] - 2 :]):
         links = _links(run, side, side, among, encounters)
         table.stays = run.facts.stays_of([seen for link in links for seen in link.seen()])
+        place_stays(run, var)
         asked = Asked(step.kind, table, table, run.parameters, once=True)
         ties = Ties([table])
         ties.add(0, 0, of_two_things(asked.judged(links), table, run.parameters))
@@ -77,14 +79,17 @@ def find_after_all(run: Run) -> None:
             find_joined(run, step)
             table = run.found[step.var]
             table.stood = None
-            table.stays = run.facts.stays_of(table.sightings)
+            table.stays = run.facts.stays_of(table.sightings, whole=run.needs_stays(step.var))
+    for step in run.steps:
+        if isinstance(step, FilterPlace) and step.var in run.late:
+            filter_place(run, step)
     run.late.clear()
 
 
 def side_of(run: Run, var: str) -> Side:
-    """Return all that was seen of a variable's things, as columns."""
+    """Return all that was seen of a variable's things where they are asked for, as columns."""
     ids = run.found[var].ids
-    return Side.of(run.facts.spans(ids, *slice_of(run, var)), run.facts.positions(ids))
+    return Side.of(spans_asked(run, var, *slice_of(run, var)), run.facts.positions(ids))
 
 
 def _together(

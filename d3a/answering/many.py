@@ -30,7 +30,7 @@ from d3a.answering.steps import (
     Relate,
 )
 from d3a.rank import LEAST_OF_BEST
-from d3a.store.base import Spans
+from d3a.store.base import Spans, StayRecord
 
 
 def find_many(run: Run, step: FindSightings) -> bool:
@@ -139,6 +139,31 @@ def _choose(run: Run, step: FindSightings, spans: Spans) -> None:
     else:
         del run.spans[step.var]
     table.sightings = joined(run.store.sightings_at(spans.chosen(rows).which()))
+
+
+def filter_place(run: Run, step: FilterPlace) -> None:
+    """Keep what was found in the rooms of a step, or outside of them, if these can be judged."""
+    rooms, table = run.rooms_of(step), run.found[step.var]
+    stays = sorted(table.stays.values(), key=lambda stay: stay.key)
+    if _are_unplaced(run, step.var, stays):
+        rooms = None
+    for name in (step.place, *step.others):
+        if rooms is None or run.region(name) is None:
+            run.leave_out(f"in the {name}")
+    if rooms is None:
+        return
+    run.before_place[step.var] = list(table.sightings)
+    for stay, p in zip(stays, rooms.holding(stays).tolist(), strict=True):
+        if p == p:  # a stay without a position is in no room: it cannot be told
+            table.place[stay.key] = p
+    table.sightings = [s for s in table.sightings if table.place.get(s.stay, 0.0) >= 0.5]
+
+
+def _are_unplaced(run: Run, var: str, stays: Sequence[StayRecord]) -> bool:
+    """Whether nobody knows where any of a variable's things was: no room is judged then."""
+    if not stays or any(stay.position is not None for stay in stays):
+        return var in run.unplaced
+    return var not in run.many or bool(np.isnan(run.facts.positions(run.found[var].ids).x).all())
 
 
 def place_stays(run: Run, var: str) -> None:

@@ -79,9 +79,9 @@ def _seen(run: Run, var: str) -> tuple[Spans, Spans]:
     find = next(s for s in run.steps if isinstance(s, FindSightings) and s.var == var)
     start, end = milliseconds(find.start), milliseconds(find.end)
     last = None if end is None else end - 1
+    if var in run.so:  # of what stood so in a place, that it was elsewhere meanwhile ends nothing
+        return spans_asked(run, var, start, last), run.so[var]
     every = run.facts.spans(run.found[var].ids, start, last)
-    if var in run.so:
-        return every, run.so[var]
     return every, columns.joined(spans_asked(run, var, start, last))
 
 

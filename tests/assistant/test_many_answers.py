@@ -85,6 +85,10 @@ SAID = (
     "How long was the book with the bottle yesterday?",
     "How many cups were with a book?",
     "How many things were with a cup?",
+    "How long was a thing with the cup in the kitchen?",
+    "How often was a thing with the cup in the den?",
+    "How many things were together in the den?",
+    "How many things were with a cup outside the kitchen?",
     "How many things were near a cup?",
     "How often was a thing next to the couch?",
     "How long was the cup near a book?",
@@ -165,6 +169,7 @@ def test_drawn_queries_have_the_answers_of_records(home: Home, query: FormalQuer
     ask=st.sampled_from(("count", "how_long", "how_often")),
     kind=st.just("together") | st.sampled_from(RELATION_KINDS),
     select=st.sampled_from(("all", "last")),
+    place=st.none() | st.sampled_from(drawn.ROOMS),
     words=st.lists(st.sampled_from(drawn.WORDS), min_size=1, max_size=2),
     time=st.none() | drawn.slices(),
 )
@@ -179,6 +184,7 @@ def test_what_stood_in_a_relation_is_counted_as_of_records(
     ask: Ask,
     kind: RelationKind,
     select: Select,
+    place: str | None,
     words: list[str],
     time: TimeSlice | None,
 ) -> None:
@@ -186,7 +192,7 @@ def test_what_stood_in_a_relation_is_counted_as_of_records(
     home.into(store)
     words = words if kind == "together" else [words[0], words[-1]]
     terms = tuple(ObjectTerm(word, word, var=var) for word, var in zip(words, "xy", strict=False))
-    query = FormalQuery("drawn", "Q2", ask, terms, Relation(kind), time=time, select=select)
+    query = FormalQuery("drawn", "Q2", ask, terms, Relation(kind), place, time, select)
     answers = []
     with pytest.MonkeyPatch.context() as patch:
         for whole in (100_000, 0):
@@ -202,6 +208,7 @@ def test_what_stood_in_a_relation_is_counted_as_of_records(
         "How many things were with a cup?",
         "How often was the cup with a thing?",
         "How long was a thing with the cup?",
+        "How often was a thing with the cup in the kitchen?",
         "How many things were next to the couch?",
         "How often was a thing next to the couch?",
     ],
