@@ -18,12 +18,14 @@ def spoken_of(words: list[Word], lexicon: Lexicon) -> ObjectTerm | None:
     """Return the thing that a statement names, None where it names none.
 
     The first noun that the lexicon knows counts, else the last one with a determiner: `I want to
-    read my novel. Where is it?`. People, places and times are no things.
+    read my novel. Where is it?`. People, places and times are no things; nor is what wants one.
     """
     timed = {i for time in timespan.find([w.text for w in words]) for i in range(*_span(time))}
     tags = tagger.tag([w for i, w in enumerate(words) if i not in timed], lexicon).tags
     named = [(i, _without_verb(t.value, lexicon)) for i, t in enumerate(tags) if _is_noun(t)]
     things = [(i, noun) for i, noun in named if _is_thing(noun, lexicon)]
+    if len(words) > 1 and words[1].text.removesuffix("s") in _WANTING:
+        things = [(i, noun) for i, noun in things if i]  # skipper wants his cap
     known = [(i, noun) for i, noun in things if noun.known]
     led = [(i, noun) for i, noun in things if i and tags[i - 1].type in ("DET", "OWNER", "ATTR")]
     chosen = known[:1] or led[-1:]
@@ -54,6 +56,7 @@ def _left(verb: str) -> bool:
 
 
 _ANYTHING = (("anything",), ("something",))
+_WANTING = ("want", "need")
 _IT_IS = (("is", "it"), ("was", "it"), ("it", "is"), ("it", "was"), ("has", "it"), ("it", "has"))
 _SOME = (("a",), ("an",), ("any",), ("some",), ("no",))
 _BEING = {"has": "is"}

@@ -39,7 +39,7 @@ PEOPLE = KIN | words_of(
     "kid child guest visitor boy girl man woman baby person dog cat lady guy gentleman plumber "
     "caregiver caretaker housekeeper babysitter landlord landlady colleague coworker toddler "
     "teenager grandchild grandkid staff crew porter janitor postman technician "
-    "bloke chap fella lad lass fellow"
+    "bloke chap fella lad lass fellow pupil student teacher"
 )
 _AGES = words_of("little big small older younger elder old young eldest oldest youngest new other")
 _LEADING = _PLACE_WORDS | DETERMINERS | frozenset(OWNERS)

@@ -116,7 +116,7 @@ class Reading:
                 answer = _told_when(answer, told, words)
                 it = answer.objects[0] if answer.objects else it
             except QuestionError as error:
-                it = it if asks else antecedent.spoken_of(words, self.lexicon) or it
+                it = it if asks else self._spoken_of(words) or it
                 if asks or not failed_question:
                     failure = error
                 failed_question = failed_question or asks
@@ -125,6 +125,14 @@ class Reading:
         if answer is None:
             raise failure
         return answer
+
+    def _spoken_of(self, words: list[Word]) -> ObjectTerm | None:
+        """Return what a statement is about, as it is told: he wants his cap, the white one."""
+        it = antecedent.spoken_of(words, self.lexicon)
+        pause = next((i for i, w in enumerate(words) if w.text == ","), 0)
+        if it is None or not 0 < pause < len(words) - 1:
+            return it
+        return afterthought.it_described(self, it, words[pause + 1 :]) or it
 
     def sentence(self, words: list[Word], it: ObjectTerm | None) -> FormalQuery:
         """Read one sentence; `it` is what its pronouns mean."""
