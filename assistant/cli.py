@@ -14,7 +14,7 @@ import click
 from assistant import config
 from assistant.exits import ExitCode
 from assistant.options import settings_options
-from assistant.terminal import clean_lines, why_not_full_screen
+from assistant.terminal import clean, clean_lines, why_not_full_screen
 
 COMMANDS = {
     "ask": "Answer a question with ranked keyframes.",
@@ -119,6 +119,10 @@ class LazyGroup(click.Group):
             return ExitCode.INTERRUPTED
         except config.SettingsError as error:
             click.echo(f"d3a: {clean_lines(str(error))}", err=True)
+            return ExitCode.USAGE
+        except OSError as error:  # a disk that is full or fails; click has seen to a closed pipe
+            name = "" if error.filename is None else f"{error.filename}: "
+            click.echo(clean(f"d3a: {name}{error.strerror or error}"), err=True)
             return ExitCode.USAGE
         return status if isinstance(status, int) else ExitCode.OK
 

@@ -56,7 +56,10 @@ def simulate_command(
 
     try:
         record = simulate(out, hours=hours, seed=seed, condition=condition, depth=depth).to_json()
-    except (BadInput, OSError) as error:
+    except OSError as error:
+        words = f"{out} cannot be written: {error.strerror}; a part of a world is no recording yet"
+        raise click.ClickException(words) from error
+    except BadInput as error:
         raise click.ClickException(str(error)) from error
     if statistics:
         record["statistics"] = measured(out)

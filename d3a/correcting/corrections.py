@@ -85,11 +85,8 @@ def do_split(
     if from_ms is not None:
         early, late = parted(portion, key, from_ms)
         if not early or not late:
-            side, would = ("before", "an earlier") if early else ("since", "a later")
-            raise BadInput(
-                f"{_seen(portion.stays[key], zone)}, all of it {side} {_iso(from_ms, zone)}: "
-                f"{would} time would do"
-            )
+            stay = portion.stays[key]
+            raise BadInput(_parts_nothing(stay, from_ms, zone, is_early=bool(early)))
     elif len(places) == 1:
         raise BadInput(
             f"{object_id} was seen at one place only: there is nothing to split but by time, --from"
@@ -98,10 +95,14 @@ def do_split(
     return replace(correction, before=portion, after=after)
 
 
-def _seen(stay: StayRecord, zone: tzinfo) -> str:
-    """Say from when to when a stay was seen."""
+def _parts_nothing(stay: StayRecord, from_ms: int, zone: tzinfo, *, is_early: bool) -> str:
+    """Say that all of a stay was seen on one side of a moment, and what would part it."""
+    seen = f"{stay.object_id} was seen at place {stay.place}"
+    if stay.first_ms == stay.last_ms:
+        return f"{seen} at {_iso(stay.first_ms, zone)} alone: there is nothing to split"
     span = f"from {_iso(stay.first_ms, zone)} to {_iso(stay.last_ms, zone)}"
-    return f"{stay.object_id} was seen at place {stay.place} {span}"
+    side, would = ("before", "an earlier") if is_early else ("since", "a later")
+    return f"{seen} {span}, all of it {side} {_iso(from_ms, zone)}: {would} time would do"
 
 
 def _iso(milliseconds: int, zone: tzinfo) -> str:

@@ -11,7 +11,8 @@ from __future__ import annotations
 import filecmp
 import json
 import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import IO
 
@@ -53,9 +54,10 @@ class AssignmentLog:
                 _put(part, _told_by(path, had))
             if not _cut(part, _end(had.frames) if had.done else _mark(consumed)):
                 raise _refusal(path)
-        elif part.exists():
-            part.unlink()
-        return cls(path, part.open("a", encoding="utf-8"))
+        with _writing(path):
+            if had.frames == 0 and part.exists():
+                part.unlink()
+            return cls(path, part.open("a", encoding="utf-8"))
 
     def events(self, events: Iterable[Event]) -> None:
         """Note what became of detections and entries."""
@@ -86,25 +88,41 @@ class AssignmentLog:
         """
         if self._part is None or self._path is None:
             return
-        self._part.flush()
         part = _part_of(self._path)
-        _put(self._path, _corrected(_resolved(_records(part)), became))
-        if done:
-            part.unlink()
+        with _writing(self._path):
+            self._part.flush()
+            _put(self._path, _corrected(_resolved(_records(part)), became))
+            if done:
+                part.unlink()
 
     def close(self) -> None:
         """Write no more."""
-        if self._part is not None:
-            self._part.close()
+        if self._part is not None and self._path is not None:
+            with _writing(self._path):
+                self._part.close()
 
     def _sync(self) -> None:
-        if self._part is not None:
-            self._part.flush()
-            os.fsync(self._part.fileno())
+        if self._part is not None and self._path is not None:
+            with _writing(self._path):
+                self._part.flush()
+                os.fsync(self._part.fileno())
 
     def _write(self, record: Json) -> None:
-        if self._part is not None:
-            self._part.write(json.dumps(record, ensure_ascii=False) + "\n")
+        if self._part is not None and self._path is not None:
+            with _writing(self._path):
+                self._part.write(json.dumps(record, ensure_ascii=False) + "\n")
+
+
+@contextmanager
+def _writing(path: Path) -> Iterator[None]:
+    """Tell a disk that is full or fails as what it keeps from being written."""
+    try:
+        yield
+    except OSError as error:
+        raise BadInput(
+            f"{path} cannot be written: {error.strerror}; when it can be, the same call goes on "
+            "from what was stored"
+        ) from error
 
 
 def _part_of(path: Path) -> Path:

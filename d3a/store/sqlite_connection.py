@@ -15,11 +15,19 @@ from d3a.store.sqlite_read import index_of
 BUSY_TIMEOUT_S = 10.0
 
 
+def can_be_written(path: Path) -> bool:
+    """Whether a file and its log can be written: not on a read-only medium, nor another's."""
+    return os.access(path, os.W_OK) and (os.access(path.parent, os.W_OK) or _log(path).exists())
+
+
+def _log(path: Path) -> Path:
+    return path.with_name(path.name + "-wal")
+
+
 def connect(path: Path, *, read_only: bool) -> sqlite3.Connection:
     """Connect to an existing file, in autocommit, for any thread; raises sqlite3.Error."""
-    log = path.with_name(path.name + "-wal")
     mode = "mode=ro" if read_only else "mode=rw"
-    if read_only and not os.access(path.parent, os.W_OK) and not log.exists():
+    if read_only and not os.access(path.parent, os.W_OK) and not _log(path).exists():
         mode += "&immutable=1"  # a reader of a log must be able to make the log's index
     return sqlite3.connect(
         f"{path.absolute().as_uri()}?{mode}",

@@ -11,7 +11,7 @@ from d3a.store import schema
 from d3a.store.base import StoreDamaged, StoreError, StoreMissing, StoreUnreachable
 from d3a.store.schema import APPLICATION_ID, Migration
 from d3a.store.sqlite import SqliteStore
-from d3a.store.sqlite_connection import BUSY_TIMEOUT_S, connect
+from d3a.store.sqlite_connection import BUSY_TIMEOUT_S, can_be_written, connect
 from d3a.store.sqlite_errors import begins_as_store
 
 MIGRATIONS: tuple[Migration, ...] = (schema.index_votes, schema.add_apart)
@@ -32,6 +32,7 @@ def open_sqlite(
 ) -> SqliteStore:
     """Open the store in a file, and make it first where `create` says so and there is none.
 
+    One that cannot be written is opened for reading; what would write to it is told so.
     Raises StoreMissing where there is none, StoreUnreachable where the file cannot be opened or
     made, StoreDamaged for what only begins as a store, StoreError for a file of another program or
     of a newer schema. migrations: see `schema.migrate`.
@@ -39,6 +40,7 @@ def open_sqlite(
     uri = f"sqlite:///{path}"
     if sqlite3.sqlite_version_info < _OLDEST:
         raise StoreError(f"{uri}: SQLite {sqlite3.sqlite_version} is too old, 3.24 would do")
+    read_only = read_only or (path.is_file() and not can_be_written(path))
     create = create and not read_only
     try:
         if create:
@@ -105,7 +107,10 @@ def _prepare(
         version = 0
     schema.refuse_future(version, newest)
     if version < newest and read_only:
-        raise StoreError(f"it has the old schema {version}; open it once for writing")
+        raise StoreError(
+            f"it has the old schema {version}, and cannot be written here: open it, or a copy of "
+            "the file, once where it can be"
+        )
     if version < newest:
         _upgrade(connection, migrations)
 

@@ -204,3 +204,22 @@ def test_no_color_means_none() -> None:
     assert b"kitchen" in plain
     assert b"\x1b[3" not in plain
     assert b"kitchen" in coloured
+
+
+@pytest.mark.parametrize(
+    ("error", "said"),
+    [
+        (OSError(28, "No space left on device"), "d3a: No space left on device\n"),
+        (OSError(30, "Read-only", "a\x1b\nb"), "d3a: a b: Read-only\n"),
+        (OSError("odd"), "d3a: odd\n"),
+    ],
+)
+def test_a_disk_that_fails_anywhere_is_a_sentence(
+    error: OSError, said: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(*_: object, **__: object) -> None:
+        raise error
+
+    monkeypatch.setattr("d3a.store.open_store", fail)
+    result = CliRunner().invoke(main, ["ask", "where is the cup"])
+    assert (result.exit_code, result.stderr) == (2, said)

@@ -161,7 +161,7 @@ def test_a_place_is_another_thing_from_a_time_on(run: Run, uri: str) -> None:
         (
             ("split", "cup-1", "3", "--from", "noon"),
             ExitCode.USAGE,
-            "cup-1 was seen at place 3 from",
+            "there is nothing to split",
         ),
         (("split", "cup-1", "3", "--from", "once"), ExitCode.USAGE, "is not a time"),
         (("merge", "bowl-1", "cup-1"), ExitCode.USAGE, "frame 000003 shows both"),

@@ -203,6 +203,10 @@ def test_a_time_that_parts_nothing_is_refused_and_the_times_told() -> None:
         with pytest.raises(BadInput, match=said):
             teaching.split(store, a, 0, since=utc(at))
     assert seen_at(store, *LEFT[:2]) == [(a, seen)]
+    once = OracleStore()
+    put(once, world(Thing("cup", LEFT, 1), frames=1), numbers("default"))
+    with pytest.raises(BadInput, match=r"o1 was seen at place 0 at .* alone: there is nothing"):
+        teaching.split(once, "o1", 0, since=utc(frames[0].time_ms))
 
 
 @pytest.mark.parametrize("at", [1, 30, 69])

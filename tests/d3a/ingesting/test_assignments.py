@@ -318,3 +318,16 @@ def test_what_another_recording_left_open_is_not_told_as_this_ones(tmp_path: Pat
     ]
     ingest(ListReader(later), store, small("paper"), assignments=path)
     assert all(str(row["frame"]).startswith("g") for row in rows_of(path))
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="this system has no full device")
+def test_a_full_disk_ends_it_with_a_sentence(tmp_path: Path) -> None:
+    path = tmp_path / "out.jsonl"
+    with Path("/dev/full").open("w", encoding="utf-8") as full:
+        log = AssignmentLog(path, full)
+        with pytest.raises(BadInput, match=r"out\.jsonl cannot be written: .* goes on from what"):
+            log.mark(3)
+        with pytest.raises(BadInput, match="cannot be written"):
+            log.finish({}, done=True)
+        with pytest.raises(BadInput, match="cannot be written"):
+            log.close()

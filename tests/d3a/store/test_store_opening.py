@@ -187,18 +187,32 @@ def test_two_processes_may_make_one_store(tmp_path: Path) -> None:
         assert len(store.objects()) == 4
 
 
+@pytest.mark.parametrize("options", [{"read_only": True}, {"create": False}, {}])
 def test_a_store_on_a_read_only_medium_can_be_read(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, options: dict[str, bool]
 ) -> None:
-    """Its folder takes no log: then the file cannot be changing either."""
+    """Its folder takes no log: then the file cannot be changing either. Whoever writes is told."""
     path = tmp_path / "home.db"
     with closing(open_store(str(path))) as store:
         store.apply(Batch([ObjectRecord("a", "cup", 1.0, 0, 0)]))
     monkeypatch.setattr(os, "access", lambda *_: False)
-    with closing(open_store(str(path), read_only=True)) as store:
+    with closing(open_store(str(path), **options)) as store:
         assert [record.object_id for record in store.objects()] == ["a"]
         assert len(list(store.dump())) == 1
+        with pytest.raises(StoreError, match=r"can be read here and not changed .* d3a store copy"):
+            store.apply(Batch(meta={"zone": "UTC"}))
         assert [file.name for file in tmp_path.iterdir()] == ["home.db"]
+
+
+def test_a_full_disk_is_told_with_what_would_do(tmp_path: Path) -> None:
+    path = tmp_path / "home.db"
+    with closing(open_sqlite(path)) as store:
+        store.apply(Batch([ObjectRecord("a", "cup", 1.0, 0, 0)]))
+        store._db.execute("PRAGMA max_page_count = 1")  # as few as it has: no more fit
+        many = [ObjectRecord(f"b{n}", "cup", 1.0, 0, 0) for n in range(2000)]
+        with pytest.raises(StoreError, match="is full: make room and say the same again"):
+            store.apply(Batch(many))
+        assert [record.object_id for record in store.objects()] == ["a"]
 
 
 def test_threads_share_a_store(tmp_path: Path) -> None:
