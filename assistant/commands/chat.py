@@ -101,6 +101,7 @@ def hold(
         return
     from assistant.protocols import PIXELS, choose
     from assistant.ui.app import ChatApp
+    from assistant.ui.hanging_up import end_when_closed
 
     chosen = choose(settings.images)
     if chosen.kind in PIXELS:
@@ -113,6 +114,8 @@ def hold(
     if settings.theme:
         wear(app, settings.theme)
     app.chat.typed = chosen.typed
+    if not served:
+        end_when_closed(sys.stdin)
     app.run()
 
 

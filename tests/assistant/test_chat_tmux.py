@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import shutil
+import signal
 import subprocess
 import sys
 import time
@@ -154,6 +155,15 @@ def test_bare_d3a_opens_the_chat_on_a_terminal(tmp_path: Path) -> None:
         terminal.type("\x11")
         terminal.read_until(b"\x1b[?1049l")
         assert terminal.process.wait(timeout=60) == 0
+
+
+def test_a_chat_ends_with_its_terminal(tmp_path: Path) -> None:
+    """Also where the terminal does not control it, and the system sends no signal."""
+    command, environment = bare(tmp_path)
+    with terminals.opened(command, environment, cwd=tmp_path, size=(24, 80)) as terminal:
+        terminal.read_until(b"Ask:")
+        terminal.hang_up()
+        assert terminal.process.wait(timeout=60) == -signal.SIGHUP
 
 
 @pytest.mark.parametrize("term", ["xterm-256color", "dumb"])

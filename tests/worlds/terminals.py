@@ -25,6 +25,12 @@ class Opened:
         """Send keys."""
         os.write(self.master, said.encode() if isinstance(said, str) else said)
 
+    def hang_up(self) -> None:
+        """Take the terminal away: nothing is read from the program any more, or typed into it."""
+        other = os.open(os.devnull, os.O_RDWR)
+        os.dup2(other, self.master)
+        os.close(other)
+
     def read(self, *, seconds: float) -> bytes:
         """Return the bytes that come within so many seconds."""
         self.behind.clear()
