@@ -98,7 +98,7 @@ class Revision:
 
     def room_for_places(self, keys: Sequence[StayKey]) -> dict[StayKey, StayRecord]:
         """Return the stays kept one by one, none where those of the keys would be too many more."""
-        if len(self.places.keys() | keys) > MOST_STAYS:
+        if len(self.places) + sum(key not in self.places for key in keys) > MOST_STAYS:
             self.places = {}  # whoever still reads the old ones has them
         return self.places
 
