@@ -200,7 +200,7 @@ def _from_record(
     record: Json, number: int, layout: str | None, skipped: Skipped, where: str
 ) -> Detection:
     numbers = parsing.numbers(record.get("box", record.get("bbox")), 4, "the box")
-    position, covariance = record.get("position"), record.get("covariance")
+    position = record.get("position")
     if position is not None:
         x, y, z = parsing.numbers(position, 3, "the position")
         position = (x, y, z)
@@ -209,7 +209,7 @@ def _from_record(
         probability=parsing.number(record.get("probability", record.get("score")), "probability"),
         box=as_box(numbers, layout or "xyxy"),
         position=position,
-        covariance=None if covariance is None else parsing.numbers(covariance, 9, "covariance"),
+        covariance=parsing.spread_of(record.get("covariance"), skipped, where),
         row=number,
     )
 

@@ -28,6 +28,7 @@ MAX_CATEGORY = 100
 BROKEN_LINE = "broken line"
 BROKEN_DETECTION = "broken detection"
 BROKEN_FRAME = "broken frame"
+BROKEN_SPREAD = "broken covariance of a position, not used"
 MISSING_PICTURE = "missing picture"
 NO_FILE = "picture that is no file of the recording, not read"
 CLEANED = "control characters in a category, taken out"
@@ -95,6 +96,8 @@ def number(value: Any, name: str) -> float:
     """Return a finite float; BadInput otherwise."""
     try:
         parsed = float(value)
+    except OverflowError as error:  # a whole number of hundreds of digits
+        raise BadInput(f"{name} is larger than any number") from error
     except (TypeError, ValueError) as error:
         raise BadInput(f"{name} {value!r} is not a number") from error
     if not math.isfinite(parsed):
@@ -110,11 +113,13 @@ def numbers(value: Any, count: int, name: str) -> tuple[float, ...]:
 
 
 def is_covariance(values: ArrayLike) -> bool:
-    """Whether 36 numbers are a 6 x 6 covariance: finite, symmetric, no variance below 0.
+    """Whether numbers are a square covariance (36: of a pose): finite, symmetric, no variance < 0.
 
     What rounding does to one of its own size is let pass.
     """
-    matrix = np.reshape(np.asarray(values, dtype=np.float64), (6, 6))
+    flat = np.asarray(values, dtype=np.float64).ravel()
+    side = math.isqrt(len(flat))
+    matrix = np.reshape(flat, (side, side))
     if not np.isfinite(matrix).all():
         return False
     slack = 1e-6 * float(np.abs(matrix).max())
@@ -135,6 +140,23 @@ def covariance_of(value: Any) -> tuple[float, ...]:
     if told is None:
         raise BadInput("it knows nothing of x, y or the heading")
     return tuple(float(v) for v in told.ravel())
+
+
+def spread_of(value: Any, skipped: Skipped, where: str) -> tuple[float, ...] | None:
+    """Return the 9 numbers of a position's covariance, None for null.
+
+    What is none is counted, and the position goes on without.
+    """
+    if value is None:
+        return None
+    try:
+        values = numbers(value, 9, "the covariance")
+        if not is_covariance(values):
+            raise BadInput("it is not symmetric, or has a variance below 0 along some axis")  # noqa: TRY301
+    except BadInput as error:
+        skipped.add(BROKEN_SPREAD, f"{where} ({error})")
+        return None
+    return values
 
 
 def of_known_axes(covariance: NDArray[np.float64]) -> NDArray[np.float64] | None:
@@ -180,7 +202,7 @@ def json_line(line: str) -> Json | None:
     """Return the object that a line holds, None for what is no JSON object."""
     try:
         record = json.loads(line)
-    except ValueError:
+    except (ValueError, RecursionError):  # the latter: thousands of brackets in each other
         return None
     return record if isinstance(record, dict) else None
 

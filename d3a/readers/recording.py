@@ -21,6 +21,7 @@ from d3a.readers import parsing
 from d3a.readers.base import Link, RecordingFacts, Regions, Skipped, Stream
 from d3a.readers.beside import line_count
 from d3a.readers.embeddings import EMBEDDINGS, EmbeddingFacts, Vectors
+from d3a.store.limits import MAX_TEXT
 
 FACTS = "recording.json"
 FRAMES = "frames.jsonl"
@@ -59,10 +60,10 @@ class RecordingReader:
             site=self._text("site") or "",
             zone=parsing.zone_of(zone or self._text("zone")),
             frames=line_count(folder / FRAMES),
-            classes=tuple(parsing.clean_text(str(c)) for c in self._record.get("classes") or ()),
+            classes=_classes(self._record.get("classes")),
             embedding_model=self._looks.name,
             now=self._now(),
-            regions=_regions(self._record.get("regions") or ()),
+            regions=_regions(self._record.get("regions")),
             map=self._map(self._left_out),
         )
 
@@ -77,8 +78,8 @@ class RecordingReader:
 
     def _read_facts(self) -> Json:
         try:
-            record = json.loads((self._folder / FACTS).read_text(encoding="utf-8"))
-        except (OSError, ValueError) as error:
+            record = json.loads((self._folder / FACTS).read_text(encoding="utf-8-sig"))
+        except (OSError, ValueError, RecursionError) as error:
             raise BadInput(f"{FACTS} is not JSON: {error}") from error
         if not isinstance(record, dict) or record.get("schema") != SCHEMA:
             raise BadInput(f"{FACTS} must be an object with schema {SCHEMA}")
@@ -93,6 +94,10 @@ class RecordingReader:
         value = self._record.get(name)
         if value is not None and not isinstance(value, str):
             raise BadInput(f"{FACTS}: {name} must be text, not {value!r}")
+        if value is not None and len(value) > MAX_TEXT:
+            raise BadInput(
+                f"{FACTS}: {name} has {len(value)} characters, at most {MAX_TEXT} are kept"
+            )
         return parsing.clean_text(value) if value else None
 
     def _now(self) -> str | None:
@@ -189,18 +194,15 @@ class RecordingReader:
         self, number: int, record: Json, embeddings: Vectors | None, where: str
     ) -> Detection:
         position = record.get("position")
-        covariance = record.get("covariance")
         if position is not None:
             x, y, z = parsing.numbers(position, 3, "the position")
             position = (x, y, z)
-        if covariance is not None:
-            covariance = parsing.numbers(covariance, 9, "the covariance")
         return Detection(
             category=parsing.category_of(record.get("category"), self.skipped, where),
             probability=parsing.number(record.get("probability"), "probability"),
             box=parsing.box_of(record.get("box")),
             position=position,
-            covariance=covariance,
+            covariance=parsing.spread_of(record.get("covariance"), self.skipped, where),
             embedding=self._embedding(record.get("embedding"), embeddings, where),
             row=number,
         )
@@ -226,12 +228,21 @@ def _camera(record: Any) -> Camera | None:
     return Camera(int(width), int(height), *rest)
 
 
+def _classes(names: Any) -> tuple[str, ...]:
+    if not isinstance(names, list | None):
+        raise BadInput(f"{FACTS}: classes must be a list of names, or null")
+    return tuple(parsing.clean_text(str(name)) for name in names or ())
+
+
 def _regions(records: Any) -> Regions:
+    if not isinstance(records, list | None):
+        raise BadInput(f"{FACTS}: regions must be a list, or null")
     polygons = []
-    for record in records:
-        if not isinstance(record, dict) or not isinstance(record.get("name"), str):
+    for record in records or ():
+        polygon = record.get("polygon") if isinstance(record, dict) else None
+        if not isinstance(polygon, list) or not isinstance(record.get("name"), str):
             raise BadInput(f"{FACTS}: a region needs a name and a polygon")
-        corners = [parsing.numbers(c, 2, "a corner") for c in record.get("polygon") or ()]
+        corners = [parsing.numbers(c, 2, "a corner") for c in polygon]
         if len(corners) < 3:
             raise BadInput(f"{FACTS}: region {record['name']!r} needs three corners or more")
         name = parsing.clean_text(record["name"])

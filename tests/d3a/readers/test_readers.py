@@ -316,6 +316,57 @@ def test_each_kind_of_broken_line_has_its_count(tmp_path: Path, line: str, reaso
     assert reader.skipped.counts == {reason: 1}
 
 
+@pytest.mark.parametrize(
+    ("facts", "why"),
+    [
+        ({"classes": 5}, "classes must be a list of names"),
+        ({"classes": "cup"}, "classes must be a list of names"),
+        ({"regions": 5}, "regions must be a list"),
+        ({"regions": [{"name": "hall", "polygon": 5}]}, "needs a name and a polygon"),
+        ({"recording": "x" * 5000}, "recording has 5000 characters"),
+        ({"camera": {"width": 10**400}}, r"camera.width is larger than any number"),
+    ],
+)
+def test_facts_of_a_wrong_kind_are_refused(tmp_path: Path, facts: Any, why: str) -> None:
+    with pytest.raises(BadInput, match=why):
+        open_source(write_recording(tmp_path / "r", [frame_line(0)], [], **facts))
+
+
+def test_facts_may_begin_with_a_mark_of_their_encoding(tmp_path: Path) -> None:
+    folder = write_recording(tmp_path / "r", [frame_line(0)], [])
+    facts = folder / "recording.json"
+    facts.write_bytes(b"\xef\xbb\xbf" + facts.read_bytes())
+    assert open_source(folder).facts.name == "lab"
+    facts.write_text("[" * 100_000)
+    with pytest.raises(BadInput, match="is not JSON"):
+        open_source(folder)
+
+
+def test_numbers_beyond_all_numbers_and_nests_of_brackets_are_broken(tmp_path: Path) -> None:
+    broken = detection_line(0, probability=10**400)
+    rows: list[dict[str, Any] | str] = ["[" * 100_000, broken, detection_line(0)]
+    folder = write_recording(tmp_path / "r", [frame_line(0, pose=[10**400] * 7)], rows)
+    reader = open_source(folder)
+    (frame,) = reader
+    assert (frame.pose, len(frame.detections or ())) == (None, 1)
+    assert reader.skipped.counts == {
+        "broken pose": 1,
+        parsing.BROKEN_LINE: 1,
+        parsing.BROKEN_DETECTION: 1,
+    }
+
+
+def test_a_position_goes_on_without_what_is_no_covariance(tmp_path: Path) -> None:
+    given = [[-1.0] * 9, "a", [1.0], [0.1, 0, 0, 0, 0.1, 0, 0, 0, 0.1]]
+    rows = [detection_line(0, position=[1, 2, 3], covariance=each) for each in given]
+    reader = open_source(write_recording(tmp_path / "r", [frame_line(0)], rows))
+    (frame,) = reader
+    found = frame.detections or ()
+    assert [each.position for each in found] == [(1.0, 2.0, 3.0)] * 4
+    assert [each.covariance is None for each in found] == [True] * 3 + [False]
+    assert reader.skipped.counts == {parsing.BROKEN_SPREAD: 3}
+
+
 def test_broken_frames_and_poses_are_counted(tmp_path: Path) -> None:
     frames = [
         frame_line(0, time="2024-05-01T10:00:00"),
