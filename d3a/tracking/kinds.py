@@ -19,7 +19,7 @@ Last = tuple[Known, Place]
 class Kind:
     """The confirmed things of a category by number, with the place that each was seen at last.
 
-    fresh: those of them that turned up at one place, and are not known from another. is_compared:
+    fresh: those of them of which nobody knows where they were before they turned up. is_compared:
     whether all of these were compared with the others, see `Moves`.
     """
 
@@ -64,7 +64,7 @@ class Kinds:
         was, told = self._told.get(number), None
         if thing is not None and thing.seen >= self._least:
             place = thing.latest
-            told = thing.category, place, _is_unexplained(thing, place)
+            told = thing.category, place, _is_unexplained(thing)
         # another thing may have come back under the number
         if was == told and (told is None or self._of[told[0]][number] is thing):
             return
@@ -77,6 +77,6 @@ class Kinds:
             self._kinds.pop(told[0], None)
 
 
-def _is_unexplained(thing: Known, place: Place) -> bool:
-    """Say whether it turned up at one place and is not known from another."""
-    return len(thing.places) == 1 and place.moved_from is None and not thing.names
+def _is_unexplained(thing: Known) -> bool:
+    """Say whether it is not known where it was before it turned up."""
+    return thing.head.moved_from is None and not thing.names

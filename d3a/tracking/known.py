@@ -112,6 +112,13 @@ class Known:
             return self.places[0]
         return max(self.places, key=lambda place: (place.last_ms, place.number))
 
+    @property
+    def head(self) -> Place:
+        """The place where it was seen first."""
+        if len(self.places) == 1:
+            return self.places[0]
+        return min(self.places, key=lambda place: (place.first_ms, place.number))
+
     def place(self, number: int) -> Place:
         """Return the place with this number."""
         return next(place for place in self.places if place.number == number)

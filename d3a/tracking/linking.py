@@ -6,33 +6,47 @@ from dataclasses import replace
 
 from d3a.ledger import Ledger
 from d3a.parameters import Parameters
-from d3a.sightings import Became, entry_name
 from d3a.store.base import StayKey
 from d3a.tracking.known import Known, Place
 from d3a.tracking.memory import Memory
 from d3a.tracking.moves import Link
 
 
-def apply_link(link: Link, memory: Memory, ledger: Ledger, parameters: Parameters) -> Became:
-    """Make `new` a further place of `old`, in the memory and in what is written already."""
+def apply_link(
+    link: Link, memory: Memory, ledger: Ledger, parameters: Parameters
+) -> dict[StayKey, StayKey]:
+    """Make the places of `new` further ones of `old`, in the memory and in what is written already.
+
+    Returns what its stays are from now on.
+    """
     old, new = link.old, link.new
     left = old.latest
-    place = new.places[0]
     _leave(left, new.first_ms)
-    was: StayKey = (new.object_id, place.number)
-    place.number = max(each.number for each in old.places) + 1
-    place.moved_from = (left.number, link.score)
-    becomes: StayKey = (old.object_id, place.number)
+    becomes = _renumber(new, old, (left.number, link.score))
     sightings = ledger.sightings([new.object_id])
     encounters = ledger.encounters(new.object_id)
     _merge(old, new, memory, parameters)
     ledger.remove_objects({new.object_id})
     for sighting in sightings:
-        ledger.put_sighting(replace(sighting, object_id=becomes[0], place=becomes[1]))
+        object_id, place = becomes[sighting.stay]
+        ledger.put_sighting(replace(sighting, object_id=object_id, place=place))
     for encounter in encounters:
-        if (renamed := encounter.renamed({was: becomes})) is not None:
+        if (renamed := encounter.renamed(becomes)) is not None:
             ledger.put_encounter(renamed)
-    return Became(entry_name(was), entry_name(becomes), "moved")
+    return becomes
+
+
+def _renumber(new: Known, old: Known, came_from: tuple[int, float]) -> dict[StayKey, StayKey]:
+    """Give the places of a thing numbers after those of another; the first came from there."""
+    first = max(each.number for each in old.places) + 1
+    numbers = {place.number: first + k for k, place in enumerate(new.places)}
+    head = new.head
+    for place in new.places:
+        if place.moved_from is not None:
+            place.moved_from = numbers[place.moved_from[0]], place.moved_from[1]
+        place.number = numbers[place.number]
+    head.moved_from = came_from
+    return {(new.object_id, was): (old.object_id, becomes) for was, becomes in numbers.items()}
 
 
 def _leave(left: Place, elsewhere_ms: int) -> None:
@@ -45,7 +59,7 @@ def _leave(left: Place, elsewhere_ms: int) -> None:
 
 
 def _merge(old: Known, new: Known, memory: Memory, parameters: Parameters) -> None:
-    place = new.places.pop()
+    places, new.places = new.places, []
     for category, weight in new.votes.items():
         old.vote(category, weight)
     memory.touch(old)
@@ -57,7 +71,8 @@ def _merge(old: Known, new: Known, memory: Memory, parameters: Parameters) -> No
     if look is not None:
         memory.looks.blend(old, look, new.look_weight, parameters.looks_remembered)
     old.met |= new.met
-    old.places.append(place)
-    if place.row >= 0:
-        memory.positions.give(place, old)
+    old.places += places
+    for place in places:
+        if place.row >= 0:
+            memory.positions.give(place, old)
     memory.remove(new)

@@ -18,25 +18,17 @@ from numpy.typing import NDArray
 
 from d3a.parameters import Parameters
 from d3a.tracking.absence import GONE_MOST, SURE_SEEN, Absence
+from d3a.tracking.alike import BINS, OTHER_PRIOR, assumed_others, bins_of, same_density
 from d3a.tracking.arrivals import CAME_MOST
 from d3a.tracking.kinds import Kind, Kinds
 from d3a.tracking.known import Known
 from d3a.tracking.likelihood import SAME, LookModel
 from d3a.tracking.look_space import LookSpace, products
 from d3a.tracking.memory import Memory
+from d3a.tracking.rivals import Rivals
 from d3a.tracking.sides import left_before
 
 Floats = NDArray[np.float64]
-BINS = 40
-"""Of cosines, -1 to 1."""
-OTHER_PRIOR, OTHER_MEAN, OTHER_SIGMA = 10.0, 0.3, 0.3
-"""Pairs of different things that are assumed before any was seen, and how alike they are."""
-SAME_SIGMA, SAME_OUTLIERS = 0.12, 0.05
-"""How the likeness of two means of one thing varies in one light, and the share that follows
-nothing: another side."""
-LIGHT_SHARE, LIGHT_LESS, LIGHT_SIGMA = 0.5, 0.15, 0.17
-"""The share of moves into another light, before another background; by how much less alike that
-makes the looks, and how much that varies."""
 LOOK_LEAST = -1.0
 """Log-odds of looks that speak against a move: below, places alone do not say what came."""
 PLAIN_LOOK, LEFT_LEAST = 3.0, 2.5
@@ -73,7 +65,7 @@ class Asked:
     likeness: how alike `kind.fresh` and `kind.lasts` look, (n, m), NaN where a look is unknown.
     brought: log-odds that a certain one of these came. looks: by number of a fresh one, the
     log-odds of its look against those of `kind.lasts`; arrivals: what is known of it; both as they
-    are asked for.
+    are asked for. rivals: of all moves, one entry once it was asked for.
     """
 
     name: str
@@ -82,6 +74,7 @@ class Asked:
     brought: float
     looks: dict[int, list[float]] = field(default_factory=dict)
     arrivals: dict[int, float] = field(default_factory=dict)
+    rivals: list[Rivals] = field(default_factory=list)
 
 
 class Moves:
@@ -193,30 +186,25 @@ class Moves:
         least, look = self._parameters.move_probability, asked.looks[new.number][k]
         if look < LOOK_LEAST or self._odds(asked, new, k, _surely_brought) * (1.0 - least) < least:
             return None
-        lasts = asked.kind.lasts
-        old, place = lasts[k]
+        old, place = asked.kind.lasts[k]
         left = place.evidence >= LEFT_LEAST and old.seen >= SURE_SEEN
         if not left and look < PLAIN_LOOK:
             return None
-        # what nobody looked for may have left too
-        rivals = [
-            (new, j) for j, (other, at) in enumerate(lasts)
-            if at.last_ms < new.first_ms and j != k and other is not new
-        ] + [
-            (each, k) for each in asked.kind.fresh
-            if place.last_ms < each.first_ms and each is not old and each is not new
-        ]  # fmt: skip
-        self._look_at(asked, [each for each, _ in rivals])
-        if self._chance(asked, (new, k), rivals, _surely_brought, _never_brought) < least:
+        # alone, before all others are asked for
+        if self._odds(asked, new, k, self._came(asked)) * (1.0 - least) < least:
             return None
+        chance = self._chance(asked, new, k)
+        return Link(old, new, chance) if chance >= least and not self._is_taken(new) else None
+
+    def _came(self, asked: Asked) -> Came:
+        """Return what tells the log-odds of arrivals, each asked for once."""
 
         def came(thing: Known) -> float:
             if thing.number not in asked.arrivals:
-                asked.arrivals[thing.number] = self._absence.came(thing.places[0])
+                asked.arrivals[thing.number] = self._absence.came(thing.head)
             return asked.arrivals[thing.number]
 
-        chance = self._chance(asked, (new, k), rivals, came, came)
-        return Link(old, new, chance) if chance >= least and not self._is_taken(new) else None
+        return came
 
     def _is_taken(self, new: Known) -> bool:
         """Say whether what turned up is most likely a view of what stands there.
@@ -224,7 +212,7 @@ class Moves:
         Something better known was there before and was seen there since, and never in one frame
         with it: a thing that is named wrongly now and then.
         """
-        positions, row = self._memory.positions, new.places[0].row
+        positions, row = self._memory.positions, new.head.row
         if row < 0:
             return False
         away = positions.spots[1:] - positions.spots[1:, row, None]
@@ -239,30 +227,49 @@ class Moves:
             for thing, place in there
         )
 
-    def _chance(
-        self, asked: Asked, pair: Pair, rivals: list[Pair], came: Came, others_came: Came
-    ) -> float:
-        """Return how likely a pair is a move, and no rival is."""
-        own = self._odds(asked, *pair, came)
-        against = sum(
-            odds * self._may_be_gone(asked, pair, each)
-            for each in rivals
-            if (odds := self._odds(asked, *each, others_came)) > 0.0
-        )
-        return own / (1.0 + own + against)
+    def _chance(self, asked: Asked, new: Known, k: int) -> float:
+        """Return how likely a pair is a move, and no rival is.
 
-    def _may_be_gone(self, asked: Asked, pair: Pair, rival: Pair) -> float:
-        """Return how much more a rival counts, as its thing may have left where nobody looked.
-
-        Looks in vain that are more than it takes to be sure that a thing left say nothing of which
-        of those that may have left came: what counts are chances, which end at 1.
+        Its rivals are moves of another thing to the same place, and of the thing to another; each
+        counts by how likely neither end of it is better explained (see `rivals`). So the traces
+        that one thing left where it was before do not speak against each other.
         """
-        (new, k), (_, j) = pair, rival
-        if j == k:  # the same thing, come as another fresh one
-            return 1.0
-        own, other = (left_before(*asked.kind.lasts[each], new.first_ms) for each in (k, j))
-        sure = max(0.0, min(asked.kind.lasts[k][1].evidence, GONE_MOST) + own)
-        return math.exp(sure + other - own)
+        kind = asked.kind
+        if not asked.rivals:
+            asked.rivals.append(Rivals.of(self._all_odds(asked)))
+        rivals, row = asked.rivals[0], kind.fresh.index(new)
+        counts = np.array([
+            self._may_be_gone(asked, new, k, j) if odds > 0.0 else 1.0
+            for j, odds in enumerate(rivals.odds[row].tolist())
+        ])  # fmt: skip
+        return rivals.chance(row, k, counts)
+
+    def _all_odds(self, asked: Asked) -> Floats:
+        """Return the odds of all moves of a category, as `_odds`, 0 where times speak against it.
+
+        (fresh, lasts). What nobody looked for may have left too.
+        """
+        kind = asked.kind
+        self._look_at(asked, kind.fresh)
+        came, odds = self._came(asked), np.zeros((len(kind.fresh), len(kind.lasts)))
+        for row, new in zip(odds, kind.fresh, strict=True):
+            looks = asked.looks[new.number]
+            for k, (old, place) in enumerate(kind.lasts):
+                if looks[k] >= LOOK_LEAST and place.last_ms < new.first_ms and old is not new:
+                    row[k] = self._odds(asked, new, k, came)
+        return odds
+
+    def _may_be_gone(self, asked: Asked, new: Known, k: int, j: int) -> float:
+        """Return how much more that of `lasts[j]` counts as what came, against that of `lasts[k]`.
+
+        It may have left where nobody looked, and looks in vain that are more than it takes to be
+        sure that a thing left say nothing of which of those that left came: what counts are
+        chances, which end at 1.
+        """
+        lasts = asked.kind.lasts
+        own, other = (left_before(*lasts[each], new.first_ms) for each in (k, j))
+        gone, lost = (min(lasts[each][1].evidence, GONE_MOST) for each in (k, j))
+        return math.exp(max(0.0, gone + own) - own - max(0.0, lost + other) + other)
 
     def _odds(self, asked: Asked, new: Known, k: int, came: Came) -> float:
         """Return the odds that a fresh thing is that of `lasts[k]`, moved; it rises with `came`."""
@@ -285,8 +292,8 @@ class Moves:
         likeness = asked.likeness[rows]
         # Means vary less than the views that are compared with them.
         usual = math.sqrt(max(self._looks.mean(SAME), 0.0))
-        dense = self._densities(asked.name)[_bins(np.nan_to_num(likeness))]
-        told = np.nan_to_num(np.log(_same(likeness - usual) / dense), nan=-math.inf)
+        dense = self._densities(asked.name)[bins_of(np.nan_to_num(likeness))]
+        told = np.nan_to_num(np.log(same_density(likeness - usual) / dense), nan=-math.inf)
         for row, looks in zip(rows, told.tolist(), strict=True):
             asked.looks[asked.kind.fresh[row].number] = looks
 
@@ -323,7 +330,7 @@ class Moves:
             if others:
                 self._dense.clear()
                 counts = self.others.setdefault(new.category, [0.0] * BINS)
-                for k in _bins(self._likeness(new, others)).tolist():
+                for k in bins_of(self._likeness(new, others)).tolist():
                     counts[k] += 1.0
 
     def _densities(self, kind: str) -> Floats:
@@ -335,7 +342,7 @@ class Moves:
         """
         if (known := self._dense.get(kind)) is not None:
             return known
-        usual = _assumed()
+        usual = assumed_others()
         for category in sorted(self.others):
             counts = np.array(self.others[category])
             usual += counts * min(1.0, OTHER_PRIOR / max(float(counts.sum()), 1.0))
@@ -347,39 +354,5 @@ class Moves:
         return density
 
 
-def _assumed() -> Floats:
-    middle = (np.arange(BINS) + 0.5) * 2 / BINS - 1
-    bell = np.exp(-(((middle - OTHER_MEAN) / OTHER_SIGMA) ** 2) / 2)
-    return np.asarray(OTHER_PRIOR * bell / bell.sum())
-
-
 def _surely_brought(_: Known) -> float:
     return CAME_MOST
-
-
-def _never_brought(_: Known) -> float:
-    return 0.0
-
-
-def _same(above: Floats) -> Floats:
-    """Return how dense the looks of a thing at two places lie so much above what is usual."""
-    follow = _bell(np.minimum(above, 0.0), SAME_SIGMA, 1 - LIGHT_SHARE)
-    follow += _bell(above + LIGHT_LESS, LIGHT_SIGMA, LIGHT_SHARE)
-    follow *= 1 - SAME_OUTLIERS
-    follow += SAME_OUTLIERS / 2
-    return follow
-
-
-def _bell(away: Floats, sigma: float, share: float) -> Floats:
-    """Return how dense a share of all lies so far from its mean; `away` is overwritten."""
-    away *= away
-    away *= -0.5 / sigma**2
-    np.exp(away, out=away)
-    away *= share / (sigma * math.sqrt(2 * math.pi))
-    return away
-
-
-def _bins(likeness: Floats) -> NDArray[np.intp]:
-    """Return the bins of likenesses, alike shaped."""
-    bins = ((likeness + 1.0) * (BINS / 2)).astype(np.intp)
-    return np.asarray(np.minimum(np.maximum(bins, 0), BINS - 1))

@@ -274,12 +274,12 @@ class TrackerPipeline:
         for link in self._moves.find(changed, self._now_ms):
             if link.old.row < 0 or self._is_told(link.new):
                 continue  # the old one was itself linked just now: the next look tells
-            was = (link.new.object_id, link.new.places[0].number)
             self._write_some([link.new, link.old])
             self._absence.became(link.new.places[0], link.new.places[0], link.old)
             became = apply_link(link, self._memory, self._ledger, self._parameters)
-            self._encounters.rename(was, (link.old.object_id, link.old.places[-1].number))
-            self._events.append(became)
+            for was, becomes in became.items():
+                self._encounters.rename(was, becomes)
+                self._events.append(Became(entry_name(was), entry_name(becomes), "moved"))
 
     def take_names(self, taught: Mapping[str, tuple[TaughtName, ...]]) -> None:
         """Learn the names of objects, by id: what has a name is not made part of another."""

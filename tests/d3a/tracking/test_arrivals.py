@@ -12,13 +12,14 @@ from d3a.model import Camera, Pose
 from d3a.parameters import DEFAULT
 from d3a.sightings import FrameRef, Scene
 from d3a.tracking.absence import SURE_SEEN, Absence
+from d3a.tracking.alike import BINS
 from d3a.tracking.arrivals import CAME_MOST, KEPT, Looked
 from d3a.tracking.frame_offset import FrameOffset
 from d3a.tracking.known import Known, Place
 from d3a.tracking.likelihood import LookModel
 from d3a.tracking.look_space import LookSpace
 from d3a.tracking.memory import Memory
-from d3a.tracking.moves import BINS, Moves
+from d3a.tracking.moves import Moves
 from d3a.tracking.positions import Row
 
 Turn = tuple[float, float, float, float]

@@ -21,11 +21,7 @@ def _walked(memory: Memory, name: str) -> tuple[list[tuple[Known, Place]], list[
         for _, thing in sorted(memory.things.items())
         if thing.category == name and thing.seen >= LEAST
     ]
-    fresh = [
-        thing
-        for thing in things
-        if len(thing.places) == 1 and thing.latest.moved_from is None and not thing.names
-    ]
+    fresh = [thing for thing in things if thing.places[0].moved_from is None and not thing.names]
     return [(thing, thing.latest) for thing in things], fresh
 
 
@@ -84,6 +80,9 @@ def test_a_list_is_made_anew_only_where_its_things_are_others_or_elsewhere() -> 
     other.places.append(Place(1, 2000, 2000, moved_from=(0, 0.9)))
     memory.touch(other)
     assert kinds.of("cup") is not before
+    assert kinds.of("cup").fresh == [cup, other]  # nobody knows where it was before the first
+    other.places[0].moved_from = (7, 0.9)
+    memory.touch(other)
     assert kinds.of("cup").fresh == [cup]
     assert kinds.of("bowl").lasts == []
 

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from d3a.parameters import DEFAULT
 from d3a.tracking.absence import Absence
+from d3a.tracking.alike import BINS
 from d3a.tracking.arrivals import CAME_MOST
 from d3a.tracking.kinds import Kind
 from d3a.tracking.known import Known, Place
@@ -19,7 +20,6 @@ from d3a.tracking.look_space import LookSpace
 from d3a.tracking.memory import Memory
 from d3a.tracking.moves import (
     ASK_AGAIN_MS,
-    BINS,
     LEFT_LEAST,
     MORE_GONE,
     MORE_SEEN,
@@ -28,6 +28,7 @@ from d3a.tracking.moves import (
     Link,
     Moves,
 )
+from d3a.tracking.rivals import Rivals
 
 NOW_MS = 10_000
 LEAST = DEFAULT.move_probability
@@ -114,29 +115,27 @@ def test_what_is_learned_of_others_counts_at_once() -> None:
 
 
 def _plain(moves: Moves, came: dict[int, float]) -> list[tuple[int, int]]:
-    """Return the moves by the definition alone: every pair against every rival of it."""
+    """Return the moves by the definition alone: every pair among all of them, all known at once."""
     things = [moves._memory.things[number] for number in sorted(moves._memory.things)]
     kind = Kind([(thing, thing.latest) for thing in things], things)
     brought = DEFAULT.move_odds - math.log(len(things) - 1)
     asked = Asked("bag", kind, moves._likenesses(kind), brought)
     moves._look_at(asked, things)
-    odds = {
-        (new.number, old.number): moves._odds(asked, new, k, lambda thing: came[thing.number])
+    odds = np.array([
+        [
+            moves._odds(asked, new, k, lambda thing: came[thing.number])
+            if new is not old and place.last_ms < new.first_ms else 0.0
+            for k, (old, place) in enumerate(kind.lasts)
+        ]
         for new in things
-        for k, (old, place) in enumerate(kind.lasts)
-        if new is not old and place.last_ms < new.first_ms
-    }
-    found, row = [], {thing.number: k for k, thing in enumerate(things)}
-    for (new, old), own in odds.items():
-        k = row[old]
-        sure = kind.lasts[k][1].evidence >= LEFT_LEAST or asked.looks[new][k] >= PLAIN_LOOK
-        others = sum(
-            each * moves._may_be_gone(asked, (things[row[new]], k), (things[row[n]], row[o]))
-            for (n, o), each in odds.items()
-            if (n == new) != (o == old)
-        )
-        if sure and kind.lasts[k][1].misses and own / (1 + own + others) >= LEAST:
-            found.append((new, old))
+    ])  # fmt: skip
+    rivals, found = Rivals.of(odds), []
+    for row, k in np.argwhere(odds > 0.0).tolist():
+        new, (old, place) = things[row], kind.lasts[k]
+        counts = [moves._may_be_gone(asked, new, k, j) for j in range(len(things))]
+        sure = place.evidence >= LEFT_LEAST or asked.looks[new.number][k] >= PLAIN_LOOK
+        if sure and place.misses and rivals.chance(row, k, np.array(counts)) >= LEAST:
+            found.append((new.number, old.number))
     return sorted(found)
 
 
@@ -158,6 +157,43 @@ def test_the_moves_are_those_that_every_rival_leaves_plain(seed: int) -> None:
         patch.setattr(moves._absence, "came", lambda place: came[numbers[id(place)]])
         found = [(link.new.number, link.old.number) for link in moves.find(set(came), NOW_MS)]
     assert found == _plain(moves, came)
+
+
+def _left(memory: Memory, number: int, first_ms: int) -> Known:
+    thing = _thing(memory, number, [1.0, 0.0, 0.0], first_ms, first_ms + 1000)
+    thing.places[0].evidence, thing.places[0].misses = 9.0, 3
+    return thing
+
+
+@pytest.mark.parametrize(("second_ms", "is_linked"), [(2000, True), (500, False)])
+def test_traces_of_one_thing_do_not_speak_against_each_other(
+    second_ms: int, is_linked: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What turned up may be either of two that left; one of them may be the other, moved before."""
+    moves = _moves({"bag": _pairs(UNLIKE, 300.0)})
+    monkeypatch.setattr(moves._absence, "came", lambda place: CAME_MOST)
+    memory = moves._memory
+    _left(memory, 0, 0)
+    _left(memory, 1, second_ms)
+    _thing(memory, 2, [1.0, 0.0, 0.0], 4000, 5000)
+    links = {(link.old.number, link.new.number) for link in moves.find({0, 1, 2}, NOW_MS)}
+    assert ((1, 2) in links) == is_linked
+    assert (0, 2) not in links
+
+
+@pytest.mark.parametrize("is_chain", [False, True])
+def test_what_moved_before_may_have_come_too(
+    is_chain: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A thing with several places is asked for where it was before the first of them."""
+    moves = _moves({"bag": _pairs(UNLIKE, 30.0)})
+    monkeypatch.setattr(moves._absence, "came", lambda place: CAME_MOST)
+    old = _left(moves._memory, 0, 0)
+    new = _thing(moves._memory, 1, [1.0, 0.0, 0.0], 2000, 3000)
+    if is_chain:
+        new.places.append(Place(1, 4000, 5000, seen=9, moved_from=(0, 0.99)))
+    (link,) = moves.find({0, 1}, NOW_MS)
+    assert (link.old, link.new) == (old, new)
 
 
 def test_a_pair_is_asked_again_only_when_more_is_known_of_it(

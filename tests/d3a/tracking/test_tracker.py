@@ -386,6 +386,30 @@ def test_a_chain_of_moves_found_at_once_is_linked_one_by_one(
     assert sorted(stay.place for stay in store.stays()) == [0, 0, 1]
 
 
+def test_what_was_moved_several_times_is_linked_to_what_it_was_before_all_of_them(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """From b to c is found first, and later on from a to b."""
+    frames = [single(n, cup(5.0 * (n // 2), look=1 + n // 2)) for n in range(6)]
+    frames += [single(6 + n, pose=Pose((0.0, 50.0 * n, 0.0), FORWARD)) for n in range(3)]
+
+    def backwards(moves: Moves, changed: set[int], now_ms: int) -> list[Link]:
+        known = [moves._memory.things[number] for number in sorted(moves._memory.things)]
+        if len(known) == 3:
+            return [Link(known[1], known[2], 0.96)]
+        return [Link(known[0], known[1], 0.97)] if len(known[-1].places) == 2 else []
+
+    monkeypatch.setattr(Moves, "find", backwards)
+    store = filled(frames)
+    (record,) = store.objects()
+    assert record.object_id == "o1"
+    assert [(stay.place, stay.moved_from) for stay in store.stays()] == [
+        (0, None), (1, (0, 0.97)), (2, (1, 0.96)),
+    ]  # fmt: skip
+    assert sorted(sighting.place for sighting in store.sightings()) == [0, 1, 2]
+    assert store.check() == []
+
+
 def test_no_move_is_linked_while_the_old_place_is_taken() -> None:
     here = Detection("cup", 0.9, (14, 20, 22, 28), embedding=colour(1))
     other = Detection("cup", 0.9, (44, 20, 52, 28), embedding=colour(1))

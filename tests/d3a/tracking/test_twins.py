@@ -7,11 +7,12 @@ import pytest
 
 from d3a.parameters import DEFAULT
 from d3a.tracking.absence import Absence
+from d3a.tracking.alike import BINS
 from d3a.tracking.known import Known, Place
 from d3a.tracking.likelihood import LookModel
 from d3a.tracking.look_space import LookSpace
 from d3a.tracking.memory import Memory
-from d3a.tracking.moves import BINS, Link, Moves
+from d3a.tracking.moves import Link, Moves
 from d3a.tracking.positions import Row
 
 HOUR_MS = 3_600_000
