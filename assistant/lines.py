@@ -53,5 +53,6 @@ def _prepare(history: History, words: Sequence[str]) -> None:
     readline.set_completer(complete)
     is_libedit = "libedit" in (readline.__doc__ or "")
     readline.parse_and_bind("bind ^I rl_complete" if is_libedit else "tab: complete")
+    readline.parse_and_bind("set enable-bracketed-paste off")  # it would write escapes
     for question in history.questions:
         readline.add_history(question)

@@ -192,7 +192,7 @@ def in_a_terminal(args: Sequence[str], typed: bytes, **environment: str) -> byte
     ],
 )
 def test_a_terminal_that_cannot_show_it_gets_lines(environment: dict[str, str], why: bytes) -> None:
-    shown = in_a_terminal(["chat"], b"where are my keys\n", **environment)
+    shown = in_a_terminal(["chat"], b"where are my keys\nquit\n", **environment)
     assert why in shown
     assert b"kitchen" in shown
     assert b"\x1b" not in shown
