@@ -13,8 +13,10 @@ def end_when_closed(stream: TextIO) -> None:
     """Watch a terminal from a thread; once its other end is closed, the process gets SIGHUP.
 
     The system sends that itself to whom the terminal controls. To others it only ends the input:
-    Textual reads that end over and over, and waits for ever to draw.
+    Textual reads that end over and over, and waits for ever to draw. The signal ends the chat also
+    where it was told to ignore it (nohup): nobody can go on with it elsewhere.
     """
+    signal.signal(signal.SIGHUP, signal.SIG_DFL)
     hang_up = select.poll()
     hang_up.register(stream, 0)  # that much is told unasked
 
