@@ -34,6 +34,11 @@ from d3a.answer import Answer, RankedKeyframe
 
 EXCHANGES_KEPT = 50
 TYPE_A_QUESTION = "type a question, then Enter"
+PARTS = (
+    "#header, #exchange-pane, #exchange, #keyframes, #questions, #earlier, #earlier-text, "
+    "#picture-caption, #picture, #floor, #timeline, #prompt"
+)
+"""What messages that come late would be shown by."""
 GO_ON = "go on: and yesterday?   not this one   when was that?"
 
 
@@ -136,8 +141,11 @@ class ChatScreen(Screen[None]):
 
     @property
     def _is_left(self) -> bool:
-        """Whether the person is leaving: messages still come, for parts that are gone."""
-        return not self.query("#picture")
+        """Whether the person is leaving: messages still come, for parts that are gone.
+
+        They go one by one, in no order that is promised.
+        """
+        return len(self.query(PARTS)) < PARTS.count("#")
 
     def compose(self) -> ComposeResult:
         """Lay out the one tree that the style sheet arranges for every size of window."""

@@ -45,6 +45,18 @@ async def test_the_first_screen_offers_questions_that_have_answers() -> None:
         assert len(c.rows()) == 3
 
 
+@pytest.mark.parametrize("part", ["#header", "#exchange", "#questions", "#prompt", "#floor"])
+async def test_what_comes_while_the_screen_goes_is_not_shown(part: str) -> None:
+    """A screen that is left goes part by part, while threads still tell what they found."""
+    async with chat() as c:
+        screen, world = c.app.chat, c.app._world
+        await screen.query_one(part).remove()
+        screen.show_world(world)
+        screen.show_welcome()
+        screen.show_earlier(["where are my keys?"])
+        screen.show_looking("where are my keys?")
+
+
 async def test_a_question_goes_before_the_search_for_examples() -> None:
     store = OracleStore()
     small_home.fill(store)
