@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import select
+import signal
 import subprocess
 import time
 from collections.abc import Iterator, Mapping, Sequence
@@ -66,6 +67,12 @@ class Opened:
                 return seen
 
 
+def _hear_signals() -> None:
+    """Undo what is inherited of tests that run in the background: no Ctrl+C is heard there."""
+    for each in (signal.SIGINT, signal.SIGHUP):
+        signal.signal(each, signal.SIG_DFL)
+
+
 @contextmanager
 def opened(
     command: Sequence[str],
@@ -94,6 +101,7 @@ def opened(
             stdout=slave,
             stderr=slave,
             start_new_session=True,
+            preexec_fn=_hear_signals,
         ) as process:
             os.close(slave)
             try:
